@@ -67,9 +67,12 @@ class Recordings:
         return ["mpirun", *as_root, "-n", str(ranks), "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1"]
 
     def replay(self, recording, ranks, network, *more):
+        """What it says of the run, without what it says of each rank."""
         self.run(self.command("replay", f"{recording}/graph.json", "--ranks", ranks, "--network", network, *self.processor_times,
                               "--account", "replay.json", "--quiet", *more))
-        return json.loads((self.folder / "replay.json").read_text())
+        account = json.loads((self.folder / "replay.json").read_text())
+        del account["engine"], account["memory_by_rank"]
+        return account
 
 
 class Recording:

@@ -64,29 +64,13 @@ Exchange::Exchange(Transport& transport, ExchangeOptions options, std::uint64_t 
       backlog_bytes_(options.backlog_bytes),
       program_(program ^ (sizeof(PacketHeader) << 8 | sizeof(FrameHeader))),
       peers_(static_cast<std::size_t>(transport.size())),
-      credits_(peers_.size()) {}
+      credits_(peers_.size()),
+      loads_(peers_.size()) {}
 
 Exchange::Peer& Exchange::peer_of(Rank rank) {
   std::unique_ptr<Peer>& peer = peers_[rank.index()];
   if (!peer) peer = std::make_unique<Peer>();
   return *peer;
-}
-
-double Exchange::load_of(Rank rank) const {
-  const std::unique_ptr<Peer>* peer = peers_.find(rank.index());
-  return peer != nullptr && *peer ? (*peer)->load : -1;
-}
-
-Rank Exchange::most_loaded() const {
-  Rank most;
-  double greatest = 0;
-  peers_.each([&](std::size_t r, const std::unique_ptr<Peer>& peer) {
-    const Rank rank(static_cast<int>(r));
-    if (!peer || peer->load <= greatest || rank == transport_.rank()) return;
-    greatest = peer->load;
-    most = rank;
-  });
-  return most;
 }
 
 void Exchange::post(Rank to, FrameKind kind, Payload payload) {
@@ -223,11 +207,11 @@ bool Exchange::flush(Rank to, Peer& peer) {
 void Exchange::send_packet(Rank to, Peer& peer, std::uint64_t credit) {
   Packet packet;
   PacketHeader header{program_, load_, credit, phase_, 0};
-  packet.head.reserve(1024);
+  packet.head.reserve(256);
   append_plain(packet.head, header);
   std::size_t sent_bytes = 0;
   while (may_send(peer)) {
-    std::deque<Frame>& queue = peer.urgent.empty() ? peer.waiting : peer.urgent;
+    Queue& queue = peer.urgent.empty() ? peer.waiting : peer.urgent;
     const std::size_t inlined =
         queue.front().payload.bytes.size() > kLargestInline ? 0 : queue.front().payload.bytes.size();
     if (packet.head.size() + sizeof(FrameHeader) + inlined > Transport::kMaxHead) break;
@@ -273,7 +257,7 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
     return transport_.keep({from, {whole.begin(), whole.end()}, std::move(segments)});
   }
   Peer& peer = peer_of(from);
-  peer.load = header.load;
+  if (from != transport_.rank()) loads_.set(from, header.load);
   if (header.credit > peer.under_way) throw TransportError("a rank confirms more than was sent to it");
   peer.under_way -= header.credit;
   auto segment = segments.begin();

@@ -6,8 +6,8 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -16,6 +16,7 @@
 #include "engine/base/paged_table.h"
 #include "engine/base/rank.h"
 #include "engine/base/serialize.h"
+#include "engine/network/load_table.h"
 #include "engine/network/transport.h"
 
 namespace weft::engine {
@@ -91,9 +92,9 @@ class Exchange {
   /// This rank's load, told to every rank that gets a packet anyway; and what was heard from others so (-1:
   /// nothing yet).
   void set_load(double seconds) { load_ = seconds; }
-  double load_of(Rank rank) const;
+  double load_of(Rank rank) const { return loads_.of(rank); }
   /// Of the other ranks heard from the one with the greatest load above 0, the first of equal ones.
-  Rank most_loaded() const;
+  Rank most_loaded() const { return loads_.most_loaded(); }
 
   std::uint64_t packets_sent() const { return packets_sent_; }
 
@@ -116,13 +117,14 @@ class Exchange {
     Rank to;
     Frame frame;
   };
+  /// Takes memory for the frames that are in it alone: each rank has two for every other that it talks to.
+  using Queue = std::list<Frame>;
   /// Made when the first packet to or from the rank comes: most ranks talk to few others.
   struct Peer {
     bool pending = false;         ///< in pending_peers_
-    std::deque<Frame> urgent;     ///< uncounted frames: they pass what is held back
-    std::deque<Frame> waiting;    ///< counted frames
+    Queue urgent;                 ///< uncounted frames: they pass what is held back
+    Queue waiting;                ///< counted frames
     std::uint64_t under_way = 0;  ///< counted bytes sent and not yet consumed
-    double load = -1;
   };
 
   bool take_posted();
@@ -141,6 +143,7 @@ class Exchange {
   PagedTable<std::unique_ptr<Peer>> peers_;
   std::vector<Rank> pending_peers_;  ///< those with frames, each once
   PagedCounters credits_;            ///< by rank: consumed and not yet told
+  LoadTable loads_;
   std::atomic<bool> credits_due_{false};
 
   std::mutex mutex_;

@@ -1,7 +1,9 @@
-// Contexts of POSIX; what the sanitizers and the C++ library keep of a thread is switched with them.
+// Contexts of POSIX begin, jumps go on; what the sanitizers and the C++ library keep of a thread is switched
+// with them.
 #include "engine/simulate/fiber.h"
 
 #include <cxxabi.h>
+#include <setjmp.h>
 #include <sys/mman.h>
 #include <ucontext.h>
 
@@ -22,6 +24,14 @@ namespace {
 
 constexpr std::size_t kGuard = 4096;
 
+/// A context switch sets the signal mask, by a system call that takes longer than most turns of a rank; a
+/// jump does not, but sanitizers and shadow stacks know nothing of jumps to other stacks.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || (defined(__CET__) && (__CET__ & 2))
+constexpr bool kJumps = false;
+#else
+constexpr bool kJumps = true;
+#endif
+
 /// The exceptions that are being handled: the C++ library has one list of them a thread.
 struct Handled {
   void* caught = nullptr;
@@ -39,6 +49,8 @@ void exchange_handled(Handled& other) {
 /// One side of a switch.
 struct Side {
   ucontext_t context{};
+  jmp_buf place{};
+  bool has_place = false;      ///< it has been left by a jump
   void* fake_stack = nullptr;  ///< of the address sanitizer
   const void* stack = nullptr;
   std::size_t stack_bytes = 0;
@@ -53,7 +65,13 @@ void switch_sides([[maybe_unused]] Side& from, [[maybe_unused]] Side& to,
 #if defined(__SANITIZE_THREAD__)
   __tsan_switch_to_fiber(to.thread, 0);
 #endif
-  swapcontext(&from.context, &to.context);
+  if constexpr (!kJumps) {
+    swapcontext(&from.context, &to.context);
+  } else if (_setjmp(from.place) == 0) {
+    from.has_place = true;
+    if (to.has_place) _longjmp(to.place, 1);
+    setcontext(&to.context);
+  }
 #if defined(__SANITIZE_ADDRESS__)
   __sanitizer_finish_switch_fiber(from.fake_stack, nullptr, nullptr);
 #endif

@@ -9,7 +9,7 @@
 namespace weft::engine {
 
 /// All functions are called on one thread. Exceptions may be handled on either side of a switch; one that
-/// leaves the function ends the process.
+/// leaves the function ends the process. Signal mask and rounding mode are the thread's, not the function's.
 class Fiber {
  public:
   /// The stack is reserved, and takes memory as far as it is used. Throws std::bad_alloc.

@@ -37,22 +37,43 @@ TimePoint nanoseconds_of(clockid_t clock) {
   return 1'000'000'000 * time.tv_sec + time.tv_nsec;
 }
 
-/// Processor time of this thread. The system is asked only where another clock, which costs a twentieth, says
-/// that something may have changed: else asking would be half of what a simulation takes. What is charged to
-/// a rank may be off by so much, their sum is not.
+/// Processor time of this thread, without what asking for it takes: the wall's time, less what this thread
+/// was away from its processor. The system, which takes twenty times as long as the wall's clock, is asked
+/// for that only where so much time has passed since the last reading that the thread may have been away.
 class ProcessorClock {
  public:
-  TimePoint now() {
-    constexpr TimePoint kResolution = 1000;
-    const TimePoint wall = nanoseconds_of(CLOCK_MONOTONIC);
-    if (wall - asked_ < kResolution) return time_;
-    asked_ = wall;
-    return time_ = nanoseconds_of(CLOCK_THREAD_CPUTIME_ID);
+  ProcessorClock() {
+    for (int i = 0; i < 1000; ++i) {
+      const TimePoint begin = now();
+      reading_ = std::min(reading_, now() - begin);
+    }
   }
 
+  TimePoint now() {
+    constexpr TimePoint kShortestAbsence = 1000;
+    TimePoint wall = nanoseconds_of(CLOCK_MONOTONIC);
+    if (wall - read_ >= kShortestAbsence) wall = ask(wall);
+    read_ = wall;
+    return time_ = std::max(time_, wall - away_);
+  }
+  /// Without what reading the clock takes: nothing for what takes no time.
+  TimePoint since(TimePoint begin) { return std::max<TimePoint>(0, now() - begin - reading_); }
+
  private:
-  TimePoint asked_ = 0;
+  TimePoint ask(TimePoint begin) {
+    constexpr TimePoint kLongestQuestion = 10'000;  // beyond that the thread was away
+    const TimePoint processor = nanoseconds_of(CLOCK_THREAD_CPUTIME_ID);
+    const TimePoint wall = nanoseconds_of(CLOCK_MONOTONIC);
+    asking_ += std::min(wall - begin, kLongestQuestion);
+    away_ = std::max(away_, wall - (processor - asking_));
+    return wall;
+  }
+
+  TimePoint read_ = 0;    ///< by the wall's clock
+  TimePoint away_ = 0;    ///< and asking, until then
+  TimePoint asking_ = 0;  ///< in all
   TimePoint time_ = 0;
+  TimePoint reading_ = kNever;  ///< the least that is between two readings
 };
 
 TimePoint nanoseconds(double seconds) { return static_cast<TimePoint>(std::llround(1e9 * seconds)); }
@@ -76,7 +97,7 @@ class Simulation {
   void depart(LeaveNotice notice);
   void close();
   const std::vector<LeaveNotice>& notices() const { return notices_; }
-  TimePoint processor_time() { return processor_.now(); }
+  ProcessorClock& processor() { return processor_; }
   bool all_closed() const { return closed_ == options_.ranks; }
   bool abandoned() const {
     return std::any_of(notices_.begin(), notices_.end(), [](const LeaveNotice& n) { return !n.will_close; });
@@ -121,6 +142,7 @@ class SimulatedRank final : public Transport, public VirtualTime {
  public:
   SimulatedRank(Simulation& simulation, Rank rank, const std::function<void(Transport&)>& body)
       : simulation_(simulation), rank_(rank), fiber_(simulation.options().stack_bytes, [this, &body] {
+          skip();
           try {
             run_and_close(*this, body);
           } catch (...) {
@@ -132,7 +154,8 @@ class SimulatedRank final : public Transport, public VirtualTime {
   // --- The simulation's side.
   void take_turn(TimePoint time) {
     clock_ = std::max(clock_, time);
-    enter();
+    of_thread_ = this;
+    fiber_.enter();
   }
   /// With its handler done outside.
   void go_on() { fiber_.enter(); }
@@ -143,7 +166,8 @@ class SimulatedRank final : public Transport, public VirtualTime {
   std::uint64_t turn() const { return turn_; }
 
   void arrive(TimePoint time, Rank from, Packet packet) {
-    packets_.push({time, packets_seen_++, from, std::make_shared<Packet>(std::move(packet))});
+    packets_.push_back({time, packets_seen_++, from, std::move(packet)});
+    std::push_heap(packets_.begin(), packets_.end(), std::greater<>());
     rouse(time);
   }
   /// It goes on no later than then.
@@ -164,19 +188,24 @@ class SimulatedRank final : public Transport, public VirtualTime {
       throw TransportError(
           text("a packet's head has ", packet.head.size(), " bytes; ", kMaxHead, " are allowed"));
     if (to.value < 0 || to.value >= size()) throw TransportError(text("there is no rank ", to.value));
+    charge();
     spend_on_packet();
-    simulation_.pass(rank_, to, std::move(packet), now());
+    simulation_.pass(rank_, to, std::move(packet), clock_);
+    skip();
   }
 
   bool poll(const Receive& receive) override {
     bool any = false;
     // What comes while these are received has its turn next time, so that the rank gets to sending, too.
     const TimePoint time = now();
-    while (!packets_.empty() && packets_.top().time <= time) {
-      const Arrival arrival = packets_.top();
-      packets_.pop();
+    while (!packets_.empty() && packets_.front().time <= time) {
+      charge();
+      std::pop_heap(packets_.begin(), packets_.end(), std::greater<>());
+      Arrival arrival = std::move(packets_.back());
+      packets_.pop_back();
       spend_on_packet();
-      receive(arrival.from, arrival.packet->head, std::move(arrival.packet->segments));
+      skip();
+      receive(arrival.from, arrival.packet.head, std::move(arrival.packet.segments));
       any = true;
     }
     return any;
@@ -186,7 +215,7 @@ class SimulatedRank final : public Transport, public VirtualTime {
     charge();
     TimePoint until = clock_ + (woken_.exchange(false) ? 0 : std::max<TimePoint>(at_most.count(), 0));
     until = std::max(until, clock_ + kShortestWait);
-    if (!packets_.empty()) until = std::min(until, std::max(packets_.top().time, clock_));
+    if (!packets_.empty()) until = std::min(until, std::max(packets_.front().time, clock_));
     sleep(until);
   }
 
@@ -227,15 +256,17 @@ class SimulatedRank final : public Transport, public VirtualTime {
     // Handlers may need a deep stack, and what they use is not kept: they run on that of the thread.
     std::exception_ptr error;
     const std::function<void()> guarded = [&] {
+      skip();
       try {
         handler();
       } catch (...) {
         error = std::current_exception();
       }
+      charge();
     };
     simulation_.call_outside(guarded);
     fiber_.leave();
-    charge();
+    skip();
     if (!simulation_.options().measured) clock_ += nanoseconds(simulation_.options().handler_overhead);
     in_handler_ = false;
     if (error) std::rethrow_exception(error);
@@ -248,35 +279,29 @@ class SimulatedRank final : public Transport, public VirtualTime {
     TimePoint time;
     std::uint64_t number;
     Rank from;
-    std::shared_ptr<Packet> packet;
+    Packet packet;
     bool operator>(const Arrival& other) const {
       return std::tie(time, number) > std::tie(other.time, other.number);
     }
   };
 
-  void enter() {
-    if (simulation_.options().measured) charged_ = simulation_.processor_time();
-    of_thread_ = this;
-    fiber_.enter();
-  }
-
-  void spend_on_packet() {
-    if (!simulation_.options().measured) spend(nanoseconds(simulation_.options().network.overhead));
-  }
+  void spend_on_packet() { spend(nanoseconds(simulation_.options().network.overhead)); }
 
   /// Since the last charge().
   TimePoint measured() const {
     if (!simulation_.options().measured) return 0;
-    return scaled(simulation_.processor_time() - charged_);
+    return scaled(simulation_.processor().since(charged_));
   }
   TimePoint scaled(TimePoint time) const {
     return static_cast<TimePoint>(static_cast<double>(time) * simulation_.options().slowdown);
   }
   void charge() {
-    if (!simulation_.options().measured) return;
-    const TimePoint time = simulation_.processor_time();
-    spend(scaled(time - charged_));
-    charged_ = time;
+    spend(measured());
+    skip();
+  }
+  /// What has been done since the last charge() was the simulation's.
+  void skip() {
+    if (simulation_.options().measured) charged_ = simulation_.processor().now();
   }
 
   void sleep(TimePoint until) {
@@ -285,7 +310,7 @@ class SimulatedRank final : public Transport, public VirtualTime {
     fiber_.leave();
     waits_ = false;
     ++turn_;
-    if (simulation_.options().measured) charged_ = simulation_.processor_time();
+    skip();
   }
   void wait_until(TimePoint until) {
     wakes_at_ = until;
@@ -297,7 +322,7 @@ class SimulatedRank final : public Transport, public VirtualTime {
   Rank rank_;
   std::exception_ptr error_;
   TimePoint clock_ = 0;
-  TimePoint charged_ = 0;  ///< processor time at the last charge()
+  TimePoint charged_ = 0;  ///< processor time at the last charge() or skip()
   TimePoint communicated_ = 0;
   bool in_handler_ = false;
   std::atomic<bool> woken_{false};
@@ -305,7 +330,7 @@ class SimulatedRank final : public Transport, public VirtualTime {
   TimePoint wakes_at_ = kNever;
   std::uint64_t turn_ = 0;
   std::uint64_t packets_seen_ = 0;
-  std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> packets_;
+  std::vector<Arrival> packets_;  ///< a heap: the first is the earliest
   Fiber fiber_;
 };
 

@@ -14,9 +14,9 @@ struct SimulationOptions {
   int ranks = 1;
   NetworkModel network = {};
 
-  /// Time is that of the processor, times `slowdown`, and no two simulations take the same. False: time
-  /// passes only where VirtualTime::spend() says so, and by the figures below; every simulation takes the
-  /// same.
+  /// Time is that of the processor, without what the simulation takes, times `slowdown`; each end of a packet
+  /// takes the network's overhead. No two simulations take the same. False: time passes only where
+  /// VirtualTime::spend() says so, and by the figures below; every simulation takes the same.
   bool measured = true;
   double slowdown = 1;
 

@@ -2,12 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <random>
 #include <thread>
+#include <vector>
 
 #include "engine/network/exchange.h"
+#include "engine/network/load_table.h"
 #include "engine/network/loopback_transport.h"
 #include "engine/objects/directory.h"
 #include "engine/objects/event.h"
@@ -408,6 +411,26 @@ TEST(AwakeClock, CountsLittleOfATimeInWhichNobodyLooked) {
 }
 
 // --- Exchange
+
+TEST(LoadTable, KnowsTheMostLoadedOfThoseThatWereHeard) {
+  constexpr int kRanks = 100;
+  LoadTable table(kRanks);
+  EXPECT_EQ(table.of(Rank(3)), -1);
+  EXPECT_FALSE(table.most_loaded().valid());
+  std::vector<double> loads(kRanks, -1);
+  std::mt19937 random(1);
+  for (int i = 0; i < 5000; ++i) {
+    const std::size_t r = random() % kRanks;
+    loads[r] = random() % 4 == 0 ? 0 : static_cast<double>(random() % 8);  // equal ones are frequent
+    if (i % 1000 > 900) loads[r] = 0;
+    table.set(Rank(static_cast<int>(r)), loads[r]);
+    EXPECT_EQ(table.of(Rank(static_cast<int>(r))), loads[r]);
+    const auto most = std::max_element(loads.begin(), loads.end());
+    EXPECT_EQ(table.most_loaded(), *most > 0 ? Rank(static_cast<int>(most - loads.begin())) : Rank());
+  }
+  for (int r = 0; r < kRanks; ++r) table.set(Rank(r), 0);
+  EXPECT_FALSE(table.most_loaded().valid());
+}
 
 TEST(Exchange, RefusesARankThatDoesNotExist) {
   LoopbackNetwork network(2);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -289,6 +290,33 @@ TEST(Simulation, Measured_time_passes_by_the_processor) {
     });
   });
   EXPECT_GE(result.seconds, 0.02);
+}
+
+TEST(Simulation, Measured_time_is_not_what_the_simulation_takes) {
+  constexpr int kTurns = 20'000;
+  SimulationOptions options;
+  options.ranks = 8;
+  TimePoint charged = 0;
+  const SimulationResult result = simulate(options, [&](Transport& transport) {
+    const TimePoint begin = now();
+    for (int i = 0; i < kTurns; ++i) transport.wait(std::chrono::microseconds(1));
+    charged += now() - begin - kTurns * 1000;
+  });
+  EXPECT_GE(result.turns, 8u * kTurns);
+  EXPECT_GE(charged, 0);
+  EXPECT_LT(1e-9 * static_cast<double>(charged), 0.3 * result.real_seconds) << "in turns without work";
+}
+
+TEST(Simulation, A_packet_takes_what_the_model_says_where_the_rest_is_measured) {
+  SimulationOptions options;
+  options.ranks = 2;
+  options.network.overhead = 1e-3;
+  simulate(options, [](Transport& transport) {
+    if (transport.rank() == Rank(1)) return;
+    const TimePoint begin = now();
+    for (int i = 0; i < 10; ++i) transport.send(Rank(1), {});
+    EXPECT_GE(now() - begin, 10 * kMillisecond);
+  });
 }
 
 }  // namespace

@@ -184,6 +184,8 @@ class Replays(SampleTest):
         self.assertGreaterEqual(six["seconds"], six["critical_path_seconds"] * 0.999)
         self.assertEqual(len(six["memory_by_rank"]), 6)
         self.assertTrue(six["engine"]["consistent"]["pairs"])
+        self.assertEqual([rank["rank"] for rank in six["engine"]["per_rank"]], list(range(6)))
+        self.assertFalse(any(rank["peers"] for rank in six["engine"]["per_rank"]), "as many as pairs of ranks")
 
     def test_larger_and_finer_ones_are_made_of_the_recorded(self):
         self.sample(subdomains=24, rounds=4)

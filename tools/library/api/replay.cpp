@@ -162,7 +162,9 @@ ReplayResult result_of(const GraphDump& recorded, const graph::replay::Replayed&
   return result;
 }
 
-Json json_of(const ReplayResult& result, const std::string& path, const engine::RunSummary& engine) {
+/// Without what was sent from each rank to each, which thousands of ranks have gigabytes of.
+Json json_of(const ReplayResult& result, const std::string& path, engine::RunSummary engine) {
+  for (engine::RankSummary& rank : engine.ranks) rank.peers.clear();
   const ReplayOptions& o = result.options;
   return {{"schema", "weft-replay-1"},
           {"graph", path},
