@@ -51,9 +51,9 @@ struct InterfaceVertices {
 };
 
 /// Edges of the interface are split that are longer by this than what is long inside. Bisection leaves more
-/// and shorter edges than an adaptation does, and what lies beside them follows: what is left long is split by
-/// the shifts. On cube-polar2 to 250,000 in 64 subdomains, for 1, 1.2 and 1.4, the interiors take 17.9, 15.3
-/// and 15.5 s, the shifts 5.0, 5.8 and 6.2; Q 1 % is .723, .726 and .727.
+/// and shorter edges than an adaptation does, and what lies beside them follows: what is left long is split
+/// by the shifts. On cube-polar2 to 250,000 in 64 subdomains, for 1, 1.2 and 1.4, the interiors
+/// take 17.9, 15.3 and 15.5 s, the shifts 5.0, 5.8 and 6.2; Q 1 % is .723, .726 and .727.
 inline constexpr double kLongAtInterface = 1.25;
 
 /// Splits the long edges of one subdomain's interface, level by level, between which the subdomain may be

@@ -61,7 +61,6 @@ class DistributedFileJob {
         options_(options),
         keep_(what_to_keep(files)),
         account_(begin_run(files, options)),
-        shares_its_thread_(transport.virtual_time() != nullptr),
         run_(options, transport, keep_, begin) {}
 
   FilesResult run() {
@@ -115,14 +114,6 @@ class DistributedFileJob {
     if (!option.empty()) throw OptionError(option, partition::text_of_first(run_.peers(), reason));
   }
 
-  /// Outside the engine: other ranks have the other cores. Simulated ranks take turns within one thread,
-  /// where an arena would be left by another rank than has entered it.
-  template <class Work>
-  auto on_threads(const Work& work) const {
-    if (shares_its_thread_) return work();
-    return with_threads(std::max(1, options_.run.threads), work);
-  }
-
   SliceInput read() {
     run_.monitor().update("reading", 0, 0);
     meshing::MeshData carrier;  // whatever model there is, the one that the file carries stays in it
@@ -132,7 +123,7 @@ class DistributedFileJob {
     });
     carrier.association.model = carried_.model;
     const auto model = run_.read_model(carrier, files_.input);
-    SliceInput input = on_threads([&] {
+    SliceInput input = run_.on_threads([&] {
       return read_slice(run_.peers(), files_, options_, model,
                         flag_for_metric(run_.monitor(), options_.checkpoint));
     });
@@ -156,7 +147,7 @@ class DistributedFileJob {
   /// Nothing where the metric is another mesh's.
   void measure_before(const SliceInput& input) {
     if (input.background || !is_measured()) return;
-    account_.before = on_threads(
+    account_.before = run_.on_threads(
         [&] { return partition::measure_slices(run_.peers(), input.slice, input.target_complexity); });
   }
 
@@ -192,7 +183,7 @@ class DistributedFileJob {
     }
     const partition::MeshSlice slice = partition::slice_of_pieces(run_.peers(), run_.pieces(), numbering);
     meshing::Transfer result = naming(files_.input, [&] {
-      return on_threads([&] {
+      return run_.on_threads([&] {
         return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer,
                                             &run_.monitor().caller_waits());
       });
@@ -276,7 +267,6 @@ class DistributedFileJob {
   Keep keep_;
   Stopwatch total_, watch_;
   RunResult account_;
-  bool shares_its_thread_;
   DistributedRun run_;
   std::string report_error_;
   partition::MeshSlice old_;  ///< points and tets of the input, where fields have to be carried along

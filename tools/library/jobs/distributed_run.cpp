@@ -56,6 +56,7 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
     : options_(options),
       keep_(keep),
       threads_(options.run.threads > 0 ? options.run.threads : 1),
+      shares_its_thread_(transport.virtual_time() != nullptr),
       monitor_(options.run, transport.size(), begin, transport.rank().value == 0) {
   graph::adaptation::register_adaptation(registry_);
   engine::RuntimeOptions engine;
@@ -261,12 +262,12 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
     graph::adaptation::DistributedOptions method = method_options(target_complexity);
     method.background = background;
     method.on_plan = [&] { check_room("", report); };
-    return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method);
+    return on_threads([&] { return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method); });
   });
   give_back_freed_memory();  // of messages and subdomains, of which malloc keeps much between what is still
                              // there
   table_.reset();
-  if (options_.run.verify) partition::check_result(*peers_, result_.pieces);
+  if (options_.run.verify) on_threads([&] { partition::check_result(*peers_, result_.pieces); });
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());
   report.complexity_asked = options_.metric.complexity > 0;
   report.target_complexity =
@@ -348,9 +349,10 @@ void DistributedRun::account_for_exchanges() {
 
 void DistributedRun::measure(Report& report) {
   monitor_.update("measuring", 1, 0);
-  if (keep_.view) gather_view(*exchange_, *peers_, result_.pieces, model_.get(), record_);
-  const partition::WholeAndPart measures =
-      partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
+  const partition::WholeAndPart measures = on_threads([&] {
+    if (keep_.view) gather_view(*exchange_, *peers_, result_.pieces, model_.get(), record_);
+    return partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
+  });
   report.after = measures.whole;
   stats_->former_interface = measures.part;
   report.output_counts = {report.after->num_vertices, report.after->num_tets, report.after->num_triangles, 0};

@@ -13,6 +13,7 @@
 #include "graph/dataflow/rank_exchange.h"
 #include "partition/slice/mesh_slice.h"
 #include "tools/library/jobs/monitor.h"
+#include "tools/library/jobs/resources/threads.h"
 #include "tools/library/report/run_record.h"
 #include "weft/weft.h"
 
@@ -37,6 +38,14 @@ class DistributedRun {
   graph::dataflow::RankExchange& exchange() { return *exchange_; }
   bool first() const { return runtime_->rank().value == 0; }
   Monitor& monitor() { return monitor_; }
+
+  /// Does work on the threads of this rank: other ranks have the other cores. Simulated ranks take turns
+  /// within one thread, where an arena would be left by another rank than has entered it.
+  template <class Work>
+  auto on_threads(const Work& work) const {
+    if (shares_its_thread_) return work();
+    return with_threads(threads_, work);
+  }
 
   /// Reads the CAD model that the options name, on every rank. `mesh` of
   /// rank 0 may carry it; errors call it `name`. To be called before adapt(). Throws on all ranks where one
@@ -75,6 +84,7 @@ class DistributedRun {
   const Options& options_;
   Keep keep_;
   int threads_;
+  bool shares_its_thread_;
   Monitor monitor_;
   bool tells_ = false;  ///< rank 0 is to hear how far all ranks are
   graph::adaptation::ProgressBoard news_;
