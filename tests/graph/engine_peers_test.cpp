@@ -172,7 +172,7 @@ TEST(EnginePeersOnManyRanks, GatheringsAndReductionsGoOverATree) {
 /// Idle ranks ask nobody for work, and each waits for the end once.
 TEST(EnginePeersOnManyRanks, AReductionTakesTwoPacketsUpAndTwoDownTheTree) {
   constexpr int kRanks = 64;
-  const auto packets_of = [](int reductions) {
+  const auto packets_of = [&](int reductions) {
     const auto reduce = [&](Transport& transport) {
       const Registry registry = registry_with_peers();
       Runtime runtime(transport, registry);
