@@ -93,7 +93,7 @@ class Runtime::Implementation final : private BalanceActions {
     while (!scheduler_.stopped()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 
-  void run(std::function<void(Context&)> root);
+  void run(std::function<bool()> done, std::function<void(Context&)> root);
   void request_stop(const char* reason) noexcept {
     stop_reason_ = reason;
     transport_.wake();
@@ -133,13 +133,14 @@ class Runtime::Implementation final : private BalanceActions {
   }
   void wake_when_ready(bool on) override { scheduler_.wake_when_ready(on); }
 
-  void begin();
+  void begin(std::function<bool()> done);
   void loop();
   bool turn(TimePoint time);
   void sleep();
   void receive(Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes);
   void balance(TimePoint time);
   void detect_end();
+  std::optional<WaveCount> count_if_passive();
   void watch_peers(TimePoint time);
   void tell_bulletin(TimePoint time);
   void show_state(TimePoint time);
@@ -186,6 +187,7 @@ class Runtime::Implementation final : private BalanceActions {
   std::atomic<bool> state_requested_{false};
 
   // Of the current run.
+  std::function<bool()> done_;  ///< of run_until(); empty: nobody knows
   bool ended_ = false;
   std::optional<std::string> failed_here_;  ///< rank 0 has been told, or is told by this
   TimePoint failed_at_ = 0;                 ///< by clock_
@@ -217,11 +219,11 @@ class Runtime::Implementation final : private BalanceActions {
 
 // --- The loop
 
-void Runtime::Implementation::run(std::function<void(Context&)> root) {
+void Runtime::Implementation::run(std::function<bool()> done, std::function<void(Context&)> root) {
   if (failure_) throw std::logic_error("a runtime whose run has failed cannot run again");
   const auto calls_before = transport_.calls();
   const TimePoint begin_time = now();
-  begin();
+  begin(std::move(done));
   if (snapshots_) snapshots_->begin_run();
   scheduler_.start(std::move(root));
   loop();
@@ -238,14 +240,16 @@ void Runtime::Implementation::run(std::function<void(Context&)> root) {
   if (failure_) throw failure();
 }
 
-void Runtime::Implementation::begin() {
+void Runtime::Implementation::begin(std::function<bool()> done) {
+  done_ = std::move(done);
   exchange_.begin_phase();
   // What the policies of two ranks last told each other may have been lost at the end of the last run.
   balancer_ = options_.balancer(rank(), ranks());
   scheduler_.wake_when_ready(false);
-  termination_.emplace(rank(), ranks(), [this](Rank to, const WaveMessage& message) {
-    exchange_.post(to, FrameKind::wave, packed(message));
-  });
+  termination_.emplace(
+      rank(), ranks(),
+      [this](Rank to, const WaveMessage& message) { exchange_.post(to, FrameKind::wave, packed(message)); },
+      done_ ? Termination::Ends::known : Termination::Ends::found);
   ended_ = told_waits_ = notice_told_ = false;
   failed_here_.reset();
   waits_.clear();
@@ -365,7 +369,8 @@ void Runtime::Implementation::balance(TimePoint time) {
     const std::vector<ObjectId> finished = scheduler_.take_finished();
     if (!finished.empty()) balancer_->finished(finished, *this);
   }
-  balancer_->step(*this, time);
+  // Who is idle between the messages of an exchange would ask all that it knows, in vain, each time.
+  if (!done_) balancer_->step(*this, time);
 }
 
 // --- Looking on
@@ -407,11 +412,17 @@ void Runtime::Implementation::spread_notice() {
 
 // --- The end
 
+/// A rank whose messages have not all left is not passive: a large one may take long, and waves would be in
+/// vain.
+std::optional<WaveCount> Runtime::Implementation::count_if_passive() {
+  if (!exchange_.idle()) return std::nullopt;
+  const std::optional<WaveCount> count = scheduler_.passive_count();
+  return count && (!done_ || done_()) ? count : std::nullopt;
+}
+
 void Runtime::Implementation::detect_end() {
   for (; termination_->due(turn_); turn_ = now()) {
-    // A rank whose messages have not all left is not passive: a large one may take long, and waves would be
-    // in vain.
-    const std::optional<WaveCount> count = exchange_.idle() ? scheduler_.passive_count() : std::nullopt;
+    const std::optional<WaveCount> count = count_if_passive();
     if (!count) return;
     termination_->step(count, turn_);
   }
@@ -659,7 +670,10 @@ Runtime::~Runtime() = default;
 
 Rank Runtime::rank() const { return implementation_->rank(); }
 int Runtime::ranks() const { return implementation_->ranks(); }
-void Runtime::run(std::function<void(Context&)> root) { implementation_->run(std::move(root)); }
+void Runtime::run(std::function<void(Context&)> root) { implementation_->run({}, std::move(root)); }
+void Runtime::run_until(std::function<bool()> done, std::function<void(Context&)> root) {
+  implementation_->run(std::move(done), std::move(root));
+}
 void Runtime::set_bulletins(Bulletins bulletins) { implementation_->set_bulletins(std::move(bulletins)); }
 void Runtime::request_stop(const char* reason) noexcept { implementation_->request_stop(reason); }
 void Runtime::request_state() noexcept { implementation_->request_state(); }

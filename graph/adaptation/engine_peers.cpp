@@ -48,6 +48,10 @@ std::vector<partition::Bytes> EnginePeers::allgather(partition::Bytes mine) {
   return exchange_.allgather(std::move(mine));
 }
 
+partition::Bytes EnginePeers::allgather_joined(partition::Bytes mine) {
+  return exchange_.allgather_joined(std::move(mine));
+}
+
 partition::Bytes EnginePeers::reduce(partition::Bytes mine, const Combine& combine) {
   return exchange_.reduce(std::move(mine), combine);
 }

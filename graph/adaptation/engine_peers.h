@@ -23,6 +23,7 @@ class EnginePeers final : public partition::Peers {
   int ranks() const override { return exchange_.runtime().ranks(); }
   std::vector<partition::Bytes> all_to_all(std::vector<partition::Bytes> to_each) override;
   std::vector<partition::Bytes> allgather(partition::Bytes mine) override;
+  partition::Bytes allgather_joined(partition::Bytes mine) override;
   partition::Bytes reduce(partition::Bytes mine, const Combine& combine) override;
 
  private:

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -17,14 +18,31 @@ namespace {
 struct Mailbox;
 engine::MobilePtr<Mailbox> mailbox_of(int rank) { return {{engine::Rank(rank), 1}}; }
 
-/// What one or several ranks have given.
+/// What one or several ranks have given, one after the other: on its way through the tree nothing is done for
+/// each.
 struct Contributions {
   std::vector<std::int32_t> ranks;
-  std::vector<RankExchange::Bytes> values;
+  std::vector<std::uint64_t> sizes;
+  RankExchange::Bytes bytes;
+
+  void append(const Contributions& more) {
+    ranks.insert(ranks.end(), more.ranks.begin(), more.ranks.end());
+    sizes.insert(sizes.end(), more.sizes.begin(), more.sizes.end());
+    bytes.insert(bytes.end(), more.bytes.begin(), more.bytes.end());
+  }
+  /// Calls visit(rank, bytes) for each, in no order.
+  template <class Visit>
+  void each(const Visit& visit) const {
+    std::span<const std::byte> rest(bytes);
+    for (std::size_t i = 0; i < ranks.size(); ++i) {
+      visit(static_cast<std::size_t>(ranks[i]), rest.first(sizes[i]));
+      rest = rest.subspan(sizes[i]);
+    }
+  }
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(ranks, values);
+    archive(ranks, sizes, bytes);
   }
 };
 
@@ -60,7 +78,7 @@ class Bundle {
     *this = std::move(staying);
     return going;
   }
-  /// Calls deliver(from, payload) for each.
+  /// Calls deliver(from, payload) for each, empty ones too.
   template <class Deliver>
   void open(const Deliver& deliver) const {
     each([&](const Message& message, const std::byte* bytes, const std::uint64_t* sizes) {
@@ -114,15 +132,20 @@ struct Mailbox {
   std::map<std::int32_t, Bundle> arrived;  ///< by step; a rank may be steps ahead
   std::int32_t step = 0;
   bool began = false, passed = false;  ///< passed: this step's messages have gone on
+  bool opened = false;                 ///< all steps are over
+  std::int64_t large_missing = 0;      ///< announced by empty ones, less those that have come
 
   // Of the tree: rank r has the children 2 r + 1 and 2 r + 2. What has come from this rank and its children.
   std::array<std::optional<Contributions>, 3> parts;
   Contributions all;
   const RankExchange::Combine* combine = nullptr;  ///< null: all are kept
 
+  /// A large one.
   void put(engine::Context&, std::int32_t from, engine::Payload payload) {
     from_each.at(static_cast<std::size_t>(from)) = std::move(payload);
+    --large_missing;
   }
+  bool exchanged() const { return opened && large_missing == 0; }
 
   void begin(engine::Context& context, Bundle mine) {
     held = std::move(mine);
@@ -149,8 +172,14 @@ struct Mailbox {
       ++step;
     }
     if (!began) return;
-    held.open([&](int from, engine::Payload payload) { put(context, from, std::move(payload)); });
+    held.open([&](int from, engine::Payload payload) {
+      if (payload.size() == 0)
+        ++large_missing;
+      else
+        from_each.at(static_cast<std::size_t>(from)) = std::move(payload);
+    });
     held = {};
+    opened = true;
   }
 
   void rise(engine::Context& context, std::int32_t from, Contributions part) {
@@ -170,40 +199,40 @@ struct Mailbox {
       if (child < context.ranks()) context.invoke<&Mailbox::sink>(mailbox_of(child), sum);
     all = std::move(sum);
   }
+  bool gathered() const { return !all.ranks.empty(); }
 
   Contributions joined() {
     Contributions sum = std::move(*parts[0]);
     for (std::size_t k = 1; k < parts.size(); ++k) {
       if (!parts[k]) continue;
-      for (std::size_t i = 0; i < parts[k]->ranks.size(); ++i) {
-        if (combine != nullptr) {
-          (*combine)(sum.values[0], parts[k]->values[i]);
-        } else {
-          sum.ranks.push_back(parts[k]->ranks[i]);
-          sum.values.push_back(std::move(parts[k]->values[i]));
-        }
-      }
+      if (combine != nullptr)
+        (*combine)(sum.bytes, parts[k]->bytes);
+      else
+        sum.append(*parts[k]);
     }
     return sum;
   }
 };
 
+/// Of this rank. It stays where it is.
+Mailbox& mailbox_here(engine::Runtime& runtime) {
+  Mailbox* here = nullptr;
+  runtime.visit<Mailbox>([&](engine::MobilePtr<Mailbox>, Mailbox& mailbox) { here = &mailbox; });
+  return *here;
+}
+
 /// Up and down the tree.
 Contributions gather(engine::Runtime& runtime, RankExchange::Bytes mine,
                      const RankExchange::Combine* combine) {
-  const auto with_mailbox = [&](const auto& use) {
-    runtime.visit<Mailbox>([&](engine::MobilePtr<Mailbox>, Mailbox& mailbox) { use(mailbox); });
-  };
-  with_mailbox([&](Mailbox& mailbox) { mailbox.parts = {}, mailbox.all = {}, mailbox.combine = combine; });
-  runtime.run([&](engine::Context& context) {
-    const std::int32_t rank = context.rank().value;
-    Contributions part{{rank}, {}};
-    part.values.push_back(std::move(mine));
-    context.invoke<&Mailbox::rise>(mailbox_of(rank), rank, std::move(part));
-  });
-  Contributions all;
-  with_mailbox([&](Mailbox& mailbox) { all = std::move(mailbox.all); });
-  return all;
+  Mailbox& mailbox = mailbox_here(runtime);
+  mailbox.parts = {}, mailbox.all = {}, mailbox.combine = combine;
+  runtime.run_until([&] { return mailbox.gathered(); },
+                    [&](engine::Context& context) {
+                      const std::int32_t rank = context.rank().value;
+                      Contributions part{{rank}, {mine.size()}, std::move(mine)};
+                      context.invoke<&Mailbox::rise>(mailbox_of(rank), rank, std::move(part));
+                    });
+  return std::exchange(mailbox.all, {});
 }
 
 }  // namespace
@@ -220,7 +249,8 @@ void RankExchange::register_types(engine::Registry& registry) {
 RankExchange::RankExchange(engine::Runtime& runtime) : runtime_(runtime) {
   bool exists = false;
   runtime_.visit<Mailbox>([&](engine::MobilePtr<Mailbox>, Mailbox&) { exists = true; });
-  runtime_.run([&](engine::Context& context) {
+  const auto all_have_come = [] { return true; };  // nothing is sent
+  runtime_.run_until(all_have_come, [&](engine::Context& context) {
     if (exists) return;
     const auto mailbox = context.create<Mailbox>();
     if (mailbox != mailbox_of(context.rank().value)) {
@@ -233,16 +263,14 @@ RankExchange::RankExchange(engine::Runtime& runtime) : runtime_(runtime) {
 std::vector<engine::Payload> RankExchange::exchange(std::vector<engine::Payload> to_each) {
   const int ranks = runtime_.ranks();
   const int mine = runtime_.rank().value;
-  const auto with_mailbox = [&](const auto& use) {
-    runtime_.visit<Mailbox>([&](engine::MobilePtr<Mailbox>, Mailbox& mailbox) { use(mailbox); });
-  };
-  with_mailbox([&](Mailbox& mailbox) {
-    mailbox.from_each.clear();
-    mailbox.from_each.resize(static_cast<std::size_t>(ranks));
-    mailbox.step = 0;
-    mailbox.began = mailbox.passed = false;
-  });
-  runtime_.run([&](engine::Context& context) {
+  Mailbox& mailbox = mailbox_here(runtime_);
+  mailbox.from_each.clear();
+  mailbox.from_each.resize(static_cast<std::size_t>(ranks));
+  mailbox.step = 0;
+  mailbox.large_missing = 0;
+  mailbox.began = mailbox.passed = false;
+  mailbox.opened = ranks == 1;
+  const auto root = [&](engine::Context& context) {
     if (to_each.size() != static_cast<std::size_t>(ranks)) {
       throw std::logic_error(engine::text(to_each.size(), " payloads for ", ranks, " ranks"));
     }
@@ -250,31 +278,43 @@ std::vector<engine::Payload> RankExchange::exchange(std::vector<engine::Payload>
     for (int step = 1; step < ranks; ++step) {  // not all to the same rank at first
       const int to = (mine + step) % ranks;
       engine::Payload& payload = to_each[static_cast<std::size_t>(to)];
-      // What is not sent is empty where it would have come: the run's end says that nothing comes any more.
+      // What is not sent is empty where it would have come.
       if (payload.size() == 0) continue;
-      if (payload.size() < kDirectBytes)
+      if (payload.size() < kDirectBytes) {
         messages.add(mine, to, std::exchange(payload, {}));
-      else
+      } else {
+        messages.add(mine, to, {});  // says that it comes
         context.invoke<&Mailbox::put>(mailbox_of(to), mine, std::move(payload));
+      }
     }
     if (ranks > 1) context.invoke<&Mailbox::begin>(mailbox_of(mine), std::move(messages));
-  });
-  std::vector<engine::Payload> received;
-  with_mailbox([&](Mailbox& mailbox) { received = std::move(mailbox.from_each); });
+  };
+  runtime_.run_until([&] { return mailbox.exchanged(); }, root);
+  std::vector<engine::Payload> received = std::move(mailbox.from_each);
   received[static_cast<std::size_t>(mine)] = std::move(to_each[static_cast<std::size_t>(mine)]);
   return received;
 }
 
 std::vector<RankExchange::Bytes> RankExchange::allgather(Bytes mine) {
   std::vector<Bytes> result(static_cast<std::size_t>(runtime_.ranks()));
-  Contributions all = gather(runtime_, std::move(mine), nullptr);
-  for (std::size_t i = 0; i < all.ranks.size(); ++i)
-    result.at(static_cast<std::size_t>(all.ranks[i])) = std::move(all.values[i]);
+  gather(runtime_, std::move(mine), nullptr).each([&](std::size_t rank, std::span<const std::byte> bytes) {
+    result.at(rank).assign(bytes.begin(), bytes.end());
+  });
   return result;
 }
 
+RankExchange::Bytes RankExchange::allgather_joined(Bytes mine) {
+  const Contributions all = gather(runtime_, std::move(mine), nullptr);
+  std::vector<std::span<const std::byte>> by_rank(static_cast<std::size_t>(runtime_.ranks()));
+  all.each([&](std::size_t rank, std::span<const std::byte> bytes) { by_rank.at(rank) = bytes; });
+  Bytes joined;
+  joined.reserve(all.bytes.size());
+  for (const auto& bytes : by_rank) joined.insert(joined.end(), bytes.begin(), bytes.end());
+  return joined;
+}
+
 RankExchange::Bytes RankExchange::reduce(Bytes mine, const Combine& combine) {
-  return std::move(gather(runtime_, std::move(mine), &combine).values.at(0));
+  return std::move(gather(runtime_, std::move(mine), &combine).bytes);
 }
 
 }  // namespace weft::graph::dataflow

@@ -41,6 +41,8 @@ class RankExchange {
   using Bytes = std::vector<std::byte>;
   /// What each rank gives, [r] of rank r, on all ranks. Up and down a binary tree: two messages a rank.
   std::vector<Bytes> allgather(Bytes mine);
+  /// The same, one after the other in the order of the ranks.
+  Bytes allgather_joined(Bytes mine);
 
   /// Puts the second into the first. Called in the order of the tree, which depends on the number of ranks.
   using Combine = std::function<void(Bytes& sum, const Bytes& more)>;

@@ -28,6 +28,13 @@ class Peers {
   virtual std::vector<Bytes> allgather(Bytes mine) {
     return all_to_all(std::vector<Bytes>(static_cast<std::size_t>(ranks()), mine));
   }
+  /// The same, one after the other in the order of the ranks.
+  virtual Bytes allgather_joined(Bytes mine) {
+    Bytes all;
+    for (const Bytes& of_rank : allgather(std::move(mine)))
+      all.insert(all.end(), of_rank.begin(), of_rank.end());
+    return all;
+  }
 
   /// At most so many ranks write to one file; the others hand them what they have of it.
   int most_writers() const { return most_writers_; }
@@ -125,9 +132,7 @@ std::vector<std::vector<T>> allgather(Peers& peers, const std::vector<T>& mine) 
 /// The same, joined in the order of the ranks.
 template <class T>
 std::vector<T> allgather_joined(Peers& peers, const std::vector<T>& mine) {
-  std::vector<T> all;
-  for (const auto& of_rank : allgather(peers, mine)) all.insert(all.end(), of_rank.begin(), of_rank.end());
-  return all;
+  return values_of<T>(peers.allgather_joined(bytes_of(mine)));
 }
 
 }  // namespace weft::partition

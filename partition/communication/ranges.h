@@ -17,8 +17,8 @@ class Ranges {
  public:
   /// From the number of entries here; all ranks call together.
   Ranges(Peers& peers, std::uint64_t my_count) : firsts_{0} {
-    for (const auto& count : allgather(peers, std::vector<std::uint64_t>{my_count}))
-      firsts_.push_back(firsts_.back() + count[0]);
+    for (const std::uint64_t count : allgather_joined(peers, std::vector<std::uint64_t>{my_count}))
+      firsts_.push_back(firsts_.back() + count);
   }
   std::uint64_t first(int rank) const { return firsts_[static_cast<std::size_t>(rank)]; }
   std::uint64_t total() const { return firsts_.back(); }

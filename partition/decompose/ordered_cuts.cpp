@@ -124,9 +124,9 @@ std::uint64_t share_of(std::uint64_t total, std::uint64_t part, std::uint64_t wh
 class Cutter {
  public:
   Cutter(Peers& peers, const SortedItems& items, const std::vector<std::vector<std::uint32_t>>& shares,
-         std::uint64_t greatest_number)
+         std::uint64_t my_greatest_number)
       : peers_(peers), items_(items), shares_(shares) {
-    begin(greatest_number);
+    begin(my_greatest_number);
   }
 
   std::vector<Cut> run() {
@@ -140,7 +140,7 @@ class Cutter {
   }
 
  private:
-  void begin(std::uint64_t greatest_number);
+  void begin(std::uint64_t my_greatest_number);
   void round(const std::vector<Cut*>& open);
   void count(const Cut& cut, const Bins& bins, std::uint64_t* weights_and_counts) const;
   static void narrow(Cut& cut, const Bins& bins, const std::uint64_t* weights_and_counts);
@@ -152,24 +152,25 @@ class Cutter {
 };
 
 /// All cuts, each with the keys of its whole group.
-void Cutter::begin(std::uint64_t greatest_number) {
+void Cutter::begin(std::uint64_t my_greatest_number) {
   const auto num_groups = static_cast<std::uint32_t>(shares_.size());
-  std::vector<std::uint64_t> totals(num_groups), least(num_groups, 0), greatest(num_groups, 0);
+  std::vector<std::uint64_t> totals(num_groups), most(2 * std::size_t{num_groups} + 1, 0);
+  const auto least = most.begin(), greatest = least + num_groups;
   for (std::uint32_t g = 0; g < num_groups; ++g) {
     totals[g] = items_.weight(items_.begin(g), items_.end(g));
     if (items_.begin(g) == items_.end(g)) continue;
     least[g] = ~items_.key(items_.begin(g));  // complement: the minimum is found as a maximum
     greatest[g] = items_.key(items_.end(g) - 1);
   }
+  most.back() = my_greatest_number;
   totals = partition::sum(peers_, totals);
-  least = partition::max(peers_, least);
-  greatest = partition::max(peers_, greatest);
+  std::ranges::copy(partition::max(peers_, most), most.begin());
   for (std::uint32_t g = 0; g < num_groups; ++g) {
     const std::uint64_t whole = std::accumulate(shares_[g].begin(), shares_[g].end(), std::uint64_t{0});
     std::uint64_t part = 0;
     for (std::size_t j = 0; j + 1 < shares_[g].size(); ++j) {
       part += shares_[g][j];
-      Cut cut{g, share_of(totals[g], part, whole), 0, {~least[g], greatest[g]}, {0, greatest_number}};
+      Cut cut{g, share_of(totals[g], part, whole), 0, {~least[g], greatest[g]}, {0, most.back()}};
       cut.done = totals[g] == 0;
       cuts_.push_back(cut);
     }
@@ -231,7 +232,7 @@ std::vector<std::uint32_t> cut_groups(Peers& peers, const OrderedItems& items,
   const SortedItems sorted(items, groups, shares.size());
   std::uint64_t greatest_number = 0;
   for (const std::uint64_t number : items.numbers) greatest_number = std::max(greatest_number, number);
-  const std::vector<Cut> cuts = Cutter(peers, sorted, shares, partition::max(peers, greatest_number)).run();
+  const std::vector<Cut> cuts = Cutter(peers, sorted, shares, greatest_number).run();
 
   std::vector<std::uint32_t> parts(items.keys.size());
   std::uint32_t part = 0;

@@ -169,6 +169,40 @@ TEST(EnginePeersOnManyRanks, GatheringsAndReductionsGoOverATree) {
   });
 }
 
+/// Idle ranks ask nobody for work, and each waits for the end once.
+TEST(EnginePeersOnManyRanks, AReductionTakesTwoPacketsUpAndTwoDownTheTree) {
+  constexpr int kRanks = 64;
+  const auto packets_of = [&](int reductions) {
+    const auto reduce = [&](Transport& transport) {
+      const Registry registry = registry_with_peers();
+      Runtime runtime(transport, registry);
+      EnginePeers peers(runtime);
+      for (int i = 0; i < reductions; ++i) ASSERT_EQ(partition::sum(peers, 1), kRanks);
+    };
+    return engine::simulate({.ranks = kRanks, .measured = false}, reduce).packets;
+  };
+  EXPECT_LE(packets_of(11) - packets_of(1), 10u * 4 * (kRanks - 1));
+}
+
+/// Its receiver knows of it before it comes.
+TEST_P(EnginePeersOnRanks, ALargePayloadAloneIsWaitedFor) {
+  on_ranks(GetParam(), [&](Transport& network) {
+    const auto late = weft::testing::delayed(network, std::chrono::microseconds(500), 5);
+    const Registry registry = registry_with_peers();
+    Runtime runtime(*late, registry);
+    EnginePeers peers(runtime);
+    for (int time = 0; time < 10; ++time) {
+      const int last = GetParam() - 1;
+      std::vector<partition::Bytes> to_each(static_cast<std::size_t>(GetParam()));
+      if (peers.rank() == 0)
+        to_each.back().assign(dataflow::RankExchange::kDirectBytes + 1, static_cast<std::byte>(time));
+      const std::size_t expected = peers.rank() == last ? dataflow::RankExchange::kDirectBytes + 1 : 0;
+      const std::vector<partition::Bytes> arrived = peers.all_to_all(std::move(to_each));
+      ASSERT_EQ(arrived[0], partition::Bytes(expected, static_cast<std::byte>(time)));
+    }
+  });
+}
+
 /// The failure of `act`, which must fail on every rank.
 template <class Act>
 std::string failure_of(const Act& act) {

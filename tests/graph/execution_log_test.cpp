@@ -230,6 +230,9 @@ TEST(RankExchange, GathersAndReducesOverATree) {
         const std::vector<RankExchange::Bytes> all = exchange.allgather(value(rank));
         ASSERT_EQ(all.size(), static_cast<std::size_t>(ranks));
         for (int r = 0; r < ranks; ++r) EXPECT_EQ(all[static_cast<std::size_t>(r)], value(r)) << r;
+        RankExchange::Bytes joined;
+        for (const RankExchange::Bytes& one : all) joined.insert(joined.end(), one.begin(), one.end());
+        EXPECT_EQ(exchange.allgather_joined(value(rank)), joined);
         const auto sum = exchange.reduce({std::byte(rank + time)}, [](auto& whole, const auto& more) {
           whole[0] = std::byte(std::to_integer<int>(whole[0]) + std::to_integer<int>(more[0]));
         });
