@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "meshing/base/place_index.h"
+#include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/mesh/compact_order.h"
 #include "partition/communication/morton_shares.h"
@@ -116,7 +117,7 @@ NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& aro
     for (const std::uint32_t t : own)
       if (tree.meets(box_of(mesh, mesh.tets[t]))) tets_for[r].push_back(t);
   }
-  own = std::vector<std::uint32_t>();
+  meshing::release(own);
   send(of, std::move(tets_for));
 }
 

@@ -12,6 +12,7 @@
 
 #include "meshing/base/place_in.h"
 #include "meshing/base/place_index.h"
+#include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/mesh/predicates.h"
 #include "partition/communication/input_issue.h"
@@ -145,7 +146,7 @@ void PartDomain::build_mesh(const MeshSlice& slice, TetLists&& tets) {
       }
       if (!first_inverted) first_inverted = inverted(tet.number, tet.vertices, points);
     }
-    list = std::vector<TetRecord>();  // "= {}" would keep the memory
+    meshing::release(list);
   }
   mesh_.point_refs.resize(mesh_.points.size());
   mesh_.tet_refs.resize(mesh_.tets.size());
