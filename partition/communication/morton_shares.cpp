@@ -32,8 +32,7 @@ std::vector<std::uint64_t> first_keys(Peers& peers, std::vector<std::uint64_t> k
   std::sort(keys.begin(), keys.end());
   std::vector<std::uint64_t> samples;
   for (std::size_t i = 0; i < kSamples && !keys.empty(); ++i)
-    samples.push_back(
-        keys[keys.size() * (2 * i + 1) / (2 * kSamples)]);  // middles: first ones would be lower
+    samples.push_back(keys[keys.size() * i / kSamples]);
   std::vector<std::uint64_t> all = allgather_joined(peers, samples);
   std::sort(all.begin(), all.end());
   const auto ranks = static_cast<std::size_t>(peers.ranks());
