@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "meshing/base/release.h"
 #include "partition/communication/peers.h"
 
 namespace weft::partition {
@@ -31,7 +32,7 @@ std::vector<T> told_at_home(Peers& peers, const std::vector<std::vector<std::uin
       const auto found = std::ranges::equal_range(here, v, {}, vertex_of);
       answers[r].insert(answers[r].end(), found.begin(), found.end());
     }
-  here = {};
+  meshing::release(here);
   return all_to_all_joined(peers, std::move(answers));
 }
 

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "meshing/base/release.h"
+
 namespace weft::partition {
 
 using Bytes = std::vector<std::byte>;
@@ -84,7 +86,7 @@ std::vector<std::vector<T>> values_of_each(std::vector<Bytes> bytes) {
   values.reserve(bytes.size());
   for (Bytes& of_rank : bytes) {
     values.push_back(values_of<T>(of_rank));
-    of_rank = {};
+    meshing::release(of_rank);
   }
   return values;
 }
@@ -99,7 +101,7 @@ std::vector<std::vector<T>> all_to_all(Peers& peers, std::vector<std::vector<T>>
   bytes.reserve(to_each.size());
   for (std::vector<T>& values : to_each) {
     bytes.push_back(bytes_of(values));
-    values = {};
+    meshing::release(values);
   }
   to_each = {};
   std::vector<std::vector<T>> arrived = values_of_each<T>(peers.all_to_all(std::move(bytes)));
@@ -118,7 +120,7 @@ std::vector<T> all_to_all_joined(Peers& peers, std::vector<std::vector<T>> to_ea
   all.reserve(size);
   for (std::vector<T>& of_rank : arrived) {
     all.insert(all.end(), of_rank.begin(), of_rank.end());
-    of_rank = {};
+    meshing::release(of_rank);
   }
   return all;
 }

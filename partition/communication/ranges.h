@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "meshing/base/release.h"
 #include "partition/communication/peers.h"
 
 namespace weft::partition {
@@ -69,7 +70,7 @@ std::vector<T> fetch(Peers& peers, const Ranges& ranges, const std::vector<Numbe
     replies[r].reserve(wanted[r].size());
     for (const Number number : wanted[r])
       replies[r].push_back(entry(static_cast<std::size_t>(number - ranges.first(peers.rank()))));
-    wanted[r] = {};
+    meshing::release(wanted[r]);
   }
   // Ranges ascend with the ranks, and so do the numbers: the replies are in order one after the other.
   return all_to_all_joined(peers, std::move(replies));

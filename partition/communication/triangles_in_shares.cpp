@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "meshing/base/parallel.h"
+#include "meshing/base/release.h"
 #include "partition/communication/reduce.h"
 
 namespace weft::partition {
@@ -88,7 +89,7 @@ void TrianglesInShares::ask(std::span<const Point> points, const RanksFor& ranks
     meshing::for_each_index(answers[r].size(), [&](std::size_t i) {
       answers[r][i] = mine_.closest(questions[r][i].point, questions[r][i].limit2);
     });
-    questions[r] = {};
+    meshing::release(questions[r]);
   }
   answers = partition::all_to_all(peers_, std::move(answers));
   for (std::size_t r = 0; r < ranks; ++r)

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/metric/expectations.h"
 #include "meshing/metric/measure_lanes.h"
@@ -345,8 +346,8 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   const std::vector<TetRecord> mine =
       send_tets_home(peers, slice, std::exchange(decomposition.subdomains, {}), options.num_subdomains);
   const std::vector<PointRecord> records = fetch_points(peers, slice, points, vertices_of(mine));
-  slice.point_refs = {};
-  slice.log_metrics = {};
+  meshing::release(slice.point_refs);
+  meshing::release(slice.log_metrics);
   const Holders holders = find_holders(peers, mine, options.num_subdomains);
   result.warnings = std::exchange(boundary.warnings, {});
   SurfaceParts surface = build_surface_parts(
@@ -355,7 +356,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
         return fetch<Point>(peers, points, wanted, [&](std::size_t i) { return slice.points[i]; });
       },
       options.ridge_angle_degrees, options.model, result.warnings);
-  slice.points = {};
+  meshing::release(slice.points);
   result.geometry = surface.geometry;
   std::vector<std::uint32_t> numbers;
   for (const PointRecord& record : records) numbers.push_back(record.number);

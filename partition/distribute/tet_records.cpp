@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "meshing/base/release.h"
 #include "partition/communication/reduce.h"
 #include "partition/communication/vertex_numbers.h"
 
@@ -57,8 +58,8 @@ std::vector<TetRecord> send_tets_home(Peers& peers, MeshSlice& slice, std::span<
     to_each[static_cast<std::size_t>(rank)].push_back(
         {slice.first_tet + t, slice.tets[t], slice.tet_refs[t], subdomains[t]});
   }
-  slice.tets = {};
-  slice.tet_refs = {};
+  meshing::release(slice.tets);
+  meshing::release(slice.tet_refs);
   return by_subdomain(all_to_all_joined(peers, std::move(to_each)));
 }
 
@@ -87,7 +88,7 @@ Holders find_holders(Peers& peers, std::span<const TetRecord> tets, std::uint32_
     if (end - begin > 1) send_to_holders(std::span(met).subspan(begin, end - begin), num_subdomains, to_each);
   }
   result.used = partition::sum(peers, result.used);
-  met = {};
+  meshing::release(met);
   result.shared = all_to_all_joined(peers, std::move(to_each));
   std::sort(result.shared.begin(), result.shared.end());
   return result;

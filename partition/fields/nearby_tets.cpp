@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <ranges>
 #include <utility>
 
-#include "meshing/base/place_in.h"
+#include "meshing/base/place_index.h"
+#include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/mesh/compact_order.h"
 #include "partition/communication/morton_shares.h"
@@ -60,7 +62,8 @@ std::vector<Box> boxes_around(const MeshData& mesh, std::span<const double> reac
   return boxes;
 }
 
-std::vector<std::uint32_t> cells_of(const CellGrid& grid, std::span<const Box> boxes) {
+template <class Boxes>
+std::vector<std::uint32_t> cells_of(const CellGrid& grid, const Boxes& boxes) {
   std::vector<bool> touched(grid.size(), false);
   for (const Box& box : boxes) grid.for_each_cell(box, [&](std::uint32_t cell) { touched[cell] = true; });
   std::vector<std::uint32_t> cells;
@@ -94,14 +97,13 @@ NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& aro
   const CellGrid grid = common_grid(peers, of, around);
   const MeshData& mesh = of.mesh();
   std::vector<std::uint32_t> own;
-  std::vector<Box> boxes;
   Box of_own;
   for (std::uint32_t t = 0; t < mesh.tets.size(); ++t) {
     if (!has(of, mesh.tets[t])) continue;
     own.push_back(t);
-    boxes.push_back(box_of(mesh, mesh.tets[t]));
-    of_own.unite(boxes.back());
+    of_own.unite(box_of(mesh, mesh.tets[t]));
   }
+  const auto boxes = own | std::views::transform([&](std::uint32_t t) { return box_of(mesh, mesh.tets[t]); });
   const std::vector<Box> mine = boxes_around(around.mesh(), reach);
   std::vector<int> asked;
   for (const auto& ranks : ranks_wanting(peers, grid, cells_of(grid, boxes), cells_of(grid, mine)))
@@ -111,27 +113,31 @@ NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& aro
   std::vector<std::vector<std::uint32_t>> tets_for(around_each.size());
   for (std::size_t r = 0; r < around_each.size(); ++r) {
     if (around_each[r].empty()) continue;
-    const BoxTree tree(around_each[r]);
-    for (std::size_t i = 0; i < own.size(); ++i)
-      if (tree.meets(boxes[i])) tets_for[r].push_back(own[i]);
+    BoxTree tree(around_each[r]);
+    for (const std::uint32_t t : own)
+      if (tree.meets(box_of(mesh, mesh.tets[t]))) tets_for[r].push_back(t);
   }
-  boxes = {};
-  send(of, tets_for);
+  meshing::release(own);
+  send(of, std::move(tets_for));
 }
 
-void NearbyTets::send(const PartDomain& of, const std::vector<std::vector<std::uint32_t>>& tets_for) {
+void NearbyTets::send(const PartDomain& of, std::vector<std::vector<std::uint32_t>>&& tets_for) {
   std::vector<std::vector<VertexRecord>> vertices(tets_for.size());
   std::vector<std::vector<Tet>> tets(tets_for.size());
   given_.resize(tets_for.size());
   for (std::size_t r = 0; r < tets_for.size(); ++r) {
-    for (const std::uint32_t t : tets_for[r]) {
-      Tet tet = of.mesh().tets[t];
-      given_[r].insert(given_[r].end(), tet.begin(), tet.end());
-      for (std::uint32_t& v : tet) v = of.numbers()[v];
-      tets[r].push_back(tet);
+    if (tets_for[r].empty()) continue;
+    std::vector<bool> is_given(of.mesh().points.size(), false);
+    tets[r].reserve(tets_for[r].size());
+    for (const std::uint32_t t : std::exchange(tets_for[r], {})) {
+      Tet& tet = tets[r].emplace_back(of.mesh().tets[t]);
+      for (std::uint32_t& v : tet) {
+        is_given[v] = true;
+        v = of.numbers()[v];
+      }
     }
-    meshing::sort_unique(given_[r]);
-    given_[r].shrink_to_fit();  // a vertex has many tets
+    for (std::uint32_t v = 0; v < is_given.size(); ++v)
+      if (is_given[v]) given_[r].push_back(v);
     for (const std::uint32_t v : given_[r]) vertices[r].push_back({of.numbers()[v], of.mesh().points[v]});
   }
   std::vector<Tet> all = all_to_all_joined(peers_, std::move(tets));
@@ -145,12 +151,14 @@ void NearbyTets::build(const std::vector<std::vector<VertexRecord>>& vertices, s
   std::ranges::sort(all, {}, &VertexRecord::number);
   const auto rest = std::ranges::unique(all, {}, &VertexRecord::number);
   all.erase(rest.begin(), rest.end());
-  const auto local = [&](std::uint64_t number) {
-    return static_cast<std::uint32_t>(meshing::place_in(all, number, &VertexRecord::number));
-  };
+  std::vector<std::uint32_t> numbers;
+  numbers.reserve(all.size());
+  for (const VertexRecord& vertex : all) numbers.push_back(static_cast<std::uint32_t>(vertex.number));
+  const meshing::PlaceIndex local(numbers);
   taken_.resize(vertices.size());
   for (std::size_t r = 0; r < vertices.size(); ++r)
-    for (const VertexRecord& vertex : vertices[r]) taken_[r].push_back(local(vertex.number));
+    for (const VertexRecord& vertex : vertices[r])
+      taken_[r].push_back(local(static_cast<std::uint32_t>(vertex.number)));
   std::ranges::sort(tets);
   for (Tet& tet : tets)
     for (std::uint32_t& v : tet) v = local(v);

@@ -33,7 +33,7 @@ class NearbyTets {
     meshing::Point point;
   };
 
-  void send(const PartDomain& of, const std::vector<std::vector<std::uint32_t>>& tets_for);
+  void send(const PartDomain& of, std::vector<std::vector<std::uint32_t>>&& tets_for);
   void build(const std::vector<std::vector<VertexRecord>>& vertices,
              std::vector<std::array<std::uint32_t, 4>>&& tets);
 

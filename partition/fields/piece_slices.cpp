@@ -20,40 +20,48 @@ std::uint64_t first_of(std::uint64_t total, int rank, int ranks) {
   return total * static_cast<std::uint64_t>(rank) / static_cast<std::uint64_t>(ranks);
 }
 
-/// Rows with their numbers, to the ranks that have these.
+/// Rows, of which runs are numbered one after the other, to the ranks that have these numbers.
 template <class Row>
 class RowMail {
  public:
   RowMail(Peers& peers, std::uint64_t total)
-      : peers_(peers),
-        total_(total),
-        numbers_(static_cast<std::size_t>(peers.ranks())),
-        rows_(numbers_.size()) {}
+      : peers_(peers), total_(total), runs_(static_cast<std::size_t>(peers.ranks())), rows_(runs_.size()) {}
 
   template <class Rows, class Convert>
   void add(std::uint64_t first, const Rows& rows, const Convert& convert) {
-    std::size_t rank = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      while (first + i >= first_of(total_, static_cast<int>(rank) + 1, peers_.ranks())) ++rank;
-      numbers_[rank].push_back(first + i);
-      rows_[rank].push_back(convert(rows[i]));
+    std::size_t begin = 0;
+    for (std::size_t rank = 0; begin < rows.size(); ++rank) {
+      const std::uint64_t last = first_of(total_, static_cast<int>(rank) + 1, peers_.ranks());
+      if (last <= first + begin) continue;
+      const std::size_t end = std::min<std::uint64_t>(rows.size(), last - first);
+      runs_[rank].push_back({first + begin, end - begin});
+      for (; begin < end; ++begin) rows_[rank].push_back(convert(rows[begin]));
     }
   }
   std::vector<Row> deliver() {
     const int me = peers_.rank();
     const std::uint64_t first = first_of(total_, me, peers_.ranks());
-    const auto numbers = partition::all_to_all(peers_, std::move(numbers_));
+    const auto runs = partition::all_to_all(peers_, std::move(runs_));
     const auto rows = partition::all_to_all(peers_, std::move(rows_));
     std::vector<Row> mine(first_of(total_, me + 1, peers_.ranks()) - first);
-    for (std::size_t r = 0; r < numbers.size(); ++r)
-      for (std::size_t i = 0; i < numbers[r].size(); ++i) mine[numbers[r][i] - first] = rows[r][i];
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      auto row = rows[r].begin();
+      for (const Run& run : runs[r]) {
+        std::copy_n(row, run.count, mine.begin() + static_cast<std::ptrdiff_t>(run.first - first));
+        row += static_cast<std::ptrdiff_t>(run.count);
+      }
+    }
     return mine;
   }
 
  private:
+  struct Run {
+    std::uint64_t first, count;
+  };
+
   Peers& peers_;
   std::uint64_t total_;
-  std::vector<std::vector<std::uint64_t>> numbers_;
+  std::vector<std::vector<Run>> runs_;
   std::vector<std::vector<Row>> rows_;
 };
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/io/files/atomic_file.h"
 #include "meshing/io/vtk/pvtu.h"
@@ -90,7 +91,7 @@ class PieceMaker {
     meshing::sort_unique(used);
     std::vector<std::vector<std::uint32_t>> to_owners(static_cast<std::size_t>(peers_.ranks()));
     for (const std::uint32_t v : used) to_owners[points_.rank_of(v)].push_back(v);
-    used = {};
+    meshing::release(used);
     const auto first = static_cast<std::uint32_t>(slice_.first_point);
     std::vector<std::uint8_t> is_used(slice_.points.size(), 0);
     for (const auto& of_rank : partition::all_to_all(peers_, std::move(to_owners)))

@@ -8,14 +8,18 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/place_index.h"
+#include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/mesh/predicates.h"
 #include "partition/communication/input_issue.h"
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/reduce.h"
 #include "partition/slice/slice_checks.h"
+#include "partition/slice/used_numbers.h"
 
 namespace weft::partition {
 namespace {
@@ -40,14 +44,15 @@ PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings, const Mo
       me_(static_cast<std::uint32_t>(peers.rank())) {
   check_slices(peers, slice, points_, Ranges(peers, slice.tets.size()), SliceMetric::missing);
   choose_owners(slice, shares);
-  std::vector<TetRecord> tets = first_ring(slice);
+  TetLists tets = first_ring(slice);
   if (rings > 1) {
-    const std::vector<TetRecord> first = tets;
+    const std::vector<TetRecord> first = joined(std::exchange(tets, {}));
+    std::vector<TetRecord> all = first;
     std::vector<std::vector<std::uint32_t>> asked(static_cast<std::size_t>(peers_.ranks()));
-    for (int ring = 1; ring < rings; ++ring) add_ring(first, asked, tets);
+    for (int ring = 1; ring < rings; ++ring) add_ring(first, asked, all);
+    tets.push_back(std::move(all));
   }
-  build_mesh(slice, tets);
-  refuse_inverted(tets);
+  build_mesh(slice, std::move(tets));
   join_copies();
   volumes_ = meshing::vertex_volumes(mesh_);
 }
@@ -61,22 +66,19 @@ void PartDomain::choose_owners(const MeshSlice& slice, const MortonShares& share
   owned_numbers_ = all_to_all_joined(peers_, std::move(to_each));  // ascending: so are slices with the ranks
 }
 
-std::vector<PartDomain::TetRecord> PartDomain::first_ring(const MeshSlice& slice) const {
-  std::vector<std::uint32_t> vertices;
-  for (const auto& tet : slice.tets) vertices.insert(vertices.end(), tet.begin(), tet.end());
-  meshing::sort_unique(vertices);
-  const std::vector<std::uint32_t> owners = owners_of(vertices);
-  std::vector<std::vector<TetRecord>> to_each(static_cast<std::size_t>(peers_.ranks()));
+PartDomain::TetLists PartDomain::first_ring(const MeshSlice& slice) const {
+  const std::vector<std::uint32_t> vertices = used_numbers(slice.tets), owners = owners_of(vertices);
+  const meshing::PlaceIndex place(vertices);
+  TetLists to_each(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
     TetRecord record{slice.first_tet + t, slice.tets[t], {}};
-    for (std::size_t i = 0; i < 4; ++i)
-      record.owners[i] = owners[meshing::place_in(vertices, record.vertices[i])];
+    for (std::size_t i = 0; i < 4; ++i) record.owners[i] = owners[place(record.vertices[i])];
     for (std::size_t i = 0; i < 4; ++i)
       if (std::find(record.owners.begin(), record.owners.begin() + i, record.owners[i]) ==
           record.owners.begin() + i)
         to_each[record.owners[i]].push_back(record);
   }
-  return all_to_all_joined(peers_, std::move(to_each));  // ascending
+  return partition::all_to_all(peers_, std::move(to_each));
 }
 
 /// Adds the tets at all vertices of `tets`, which their owners have among their first rings. Of those that
@@ -115,35 +117,40 @@ std::uint32_t PartDomain::local(std::uint32_t number) const {
   return static_cast<std::uint32_t>(meshing::place_in(numbers_, number));
 }
 
-void PartDomain::build_mesh(const MeshSlice& slice, const std::vector<TetRecord>& tets) {
+void PartDomain::build_mesh(const MeshSlice& slice, TetLists&& tets) {
   std::vector<std::array<std::uint32_t, 2>> vertices;  // number and owner
   for (const std::uint32_t number : owned_numbers_) vertices.push_back({number, me_});
-  for (const TetRecord& tet : tets)
-    for (std::size_t i = 0; i < 4; ++i)
-      if (tet.owners[i] != me_) vertices.push_back({tet.vertices[i], tet.owners[i]});
+  std::size_t num_tets = 0;
+  for (const std::vector<TetRecord>& list : tets) {
+    num_tets += list.size();
+    for (const TetRecord& tet : list)
+      for (std::size_t i = 0; i < 4; ++i)
+        if (tet.owners[i] != me_) vertices.push_back({tet.vertices[i], tet.owners[i]});
+  }
   meshing::sort_unique(vertices);
   for (const auto& [number, owner] : vertices) {
     numbers_.push_back(number);
     owners_.push_back(owner);
   }
   mesh_.points = from_slices(slice.points);
-  mesh_.tets.reserve(tets.size());
-  for (const TetRecord& tet : tets) {
-    std::array<std::uint32_t, 4>& corners = mesh_.tets.emplace_back();
-    for (std::size_t i = 0; i < 4; ++i) corners[i] = local(tet.vertices[i]);
+  const meshing::PlaceIndex place(numbers_);
+  mesh_.tets.reserve(num_tets);
+  std::optional<InputIssue> first_inverted;
+  for (std::vector<TetRecord>& list : tets) {
+    for (const TetRecord& tet : list) {
+      std::array<std::uint32_t, 4>& corners = mesh_.tets.emplace_back();
+      std::array<const Point*, 4> points;
+      for (std::size_t i = 0; i < 4; ++i) {
+        corners[i] = place(tet.vertices[i]);
+        points[i] = &mesh_.points[corners[i]];
+      }
+      if (!first_inverted) first_inverted = inverted(tet.number, tet.vertices, points);
+    }
+    meshing::release(list);
   }
   mesh_.point_refs.resize(mesh_.points.size());
   mesh_.tet_refs.resize(mesh_.tets.size());
-}
-
-void PartDomain::refuse_inverted(const std::vector<TetRecord>& tets) const {
-  std::optional<InputIssue> first;
-  for (std::size_t t = 0; t < tets.size() && !first; ++t) {
-    std::array<const Point*, 4> corners;
-    for (std::size_t i = 0; i < 4; ++i) corners[i] = &mesh_.points[mesh_.tets[t][i]];
-    first = inverted(tets[t].number, tets[t].vertices, corners);
-  }
-  throw_first(peers_, first);
+  throw_first(peers_, first_inverted);
 }
 
 void PartDomain::join_copies() {

@@ -72,14 +72,15 @@ class PartDomain final : public meshing::MetricDomain {
     std::uint64_t number;
     std::array<std::uint32_t, 4> vertices, owners;
   };
+  /// One list after the other ascending; never joined, since they are most of a rank's memory.
+  using TetLists = std::vector<std::vector<TetRecord>>;
 
   void choose_owners(const MeshSlice& slice, const MortonShares& shares);
-  std::vector<TetRecord> first_ring(const MeshSlice& slice) const;
+  TetLists first_ring(const MeshSlice& slice) const;
   void add_ring(const std::vector<TetRecord>& first, std::vector<std::vector<std::uint32_t>>& asked,
                 std::vector<TetRecord>& tets) const;
-  void build_mesh(const MeshSlice& slice, const std::vector<TetRecord>& tets);
+  void build_mesh(const MeshSlice& slice, TetLists&& tets);
   void join_copies();
-  void refuse_inverted(const std::vector<TetRecord>& tets) const;
   std::uint32_t local(std::uint32_t number) const;
 
   template <class T>

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/io/files/point_merger.h"
 #include "partition/communication/home_rank.h"
@@ -43,7 +44,7 @@ std::vector<std::vector<CopyAnswer>> answers_to(std::vector<std::vector<CopyReco
   for (std::size_t r = 0; r < arrived.size(); ++r) {
     answers[r].resize(arrived[r].size());
     for (std::size_t i = 0; i < arrived[r].size(); ++i) all.push_back({arrived[r][i], r, i});
-    arrived[r] = {};
+    meshing::release(arrived[r]);
   }
   std::ranges::sort(all, {}, [](const Asked& a) { return a.record.order(); });
   for (std::size_t i = 0, first = 0; i < all.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "meshing/base/release.h"
 #include "meshing/geometry/surface/surface_piece.h"
 #include "partition/communication/at_home.h"
 
@@ -33,7 +34,7 @@ std::vector<T> sent_home(Peers& peers, std::vector<T> mine) {
   if (ranks > 1) {
     std::vector<std::vector<T>> to_each(ranks);
     for (const T& record : mine) to_each[home_vertex(record) % ranks].push_back(record);
-    mine = {};
+    meshing::release(mine);
     mine = all_to_all_joined(peers, std::move(to_each));
   }
   sort_by_home_vertex(mine);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/boundary_entities.h"
@@ -393,8 +394,8 @@ BoundaryShare complete_boundary(Peers& peers, MeshSlice& slice, const PlacedTets
     refuse_overlaps(peers, slice, tets, faces);
     mine = std::exchange(slice.boundary, {});
     const std::vector<SortedTriangle> triangles = triangles_at_home(peers, mine);
-    mine.triangles = {};
-    mine.triangle_refs = {};
+    meshing::release(mine.triangles);
+    meshing::release(mine.triangle_refs);
     findings = match_triangles(peers, faces, triangles);
   }
   BoundaryShare b;

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
 #include "partition/communication/at_home.h"
 
@@ -120,7 +121,7 @@ LocalSurface SurfaceNeighbours::around(std::vector<BoundaryTriangle> own) const 
     }
     local.vertices = vertices_among(all, of_owned);
   }
-  own = {};
+  meshing::release(own);
   for (const auto& [t, owner] : all) {
     const auto place = [&](std::uint32_t v) {
       return static_cast<std::uint32_t>(meshing::place_in(local.vertices, v));
@@ -132,7 +133,7 @@ LocalSurface SurfaceNeighbours::around(std::vector<BoundaryTriangle> own) const 
     local.mesh.triangles.push_back({place(t.vertices[0]), place(t.vertices[1]), place(t.vertices[2])});
     local.mesh.triangle_refs.push_back(t.ref);
   }
-  all = {};
+  meshing::release(all);
   add_edges(local);
   local.mesh.corners = listed_among(share_.corners, local.vertices);
   local.mesh.required_points = listed_among(share_.required_points, local.vertices);

@@ -12,6 +12,7 @@
 
 #include "meshing/base/box.h"
 #include "meshing/base/place_in.h"
+#include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/geometry/surface/cut_surface.h"
 #include "meshing/geometry/surface/model_tables.h"
@@ -214,7 +215,7 @@ void ShareBuilder::take_share() {
   for (std::size_t i = 0; i < keys.size(); ++i)
     to_each[static_cast<std::size_t>(std::ranges::upper_bound(begins, keys[i]) - begins.begin())].push_back(
         boundary_.triangles[i]);
-  boundary_.triangles = {};
+  meshing::release(boundary_.triangles);
   boundary_.triangles = all_to_all_joined(peers_, std::move(to_each));
   std::ranges::sort(boundary_.triangles, {}, &BoundaryTriangle::number);
   for (const BoundaryTriangle& t : boundary_.triangles) own_.push_back(t.number);
@@ -553,7 +554,7 @@ void ShareBuilder::take_pieces() {
     builder_->take_curves(*curves_);
   }
   if (model_) classify_pieces();
-  own_told_ = {};
+  meshing::release(own_told_);
   neighbours_.reset();
   on_model_.reset();
   boundary_ = {};

@@ -161,7 +161,7 @@ TEST(BoxTree, MeetsWhatAnyBoxMeets) {
   for (std::size_t count = 0; count < 40; ++count) {
     std::vector<meshing::Box> boxes(count);
     std::ranges::generate(boxes, random_box);
-    const BoxTree tree(boxes);
+    BoxTree tree(boxes);
     for (int i = 0; i < 200; ++i) {
       const meshing::Box box = random_box();
       EXPECT_EQ(tree.meets(box), std::ranges::any_of(boxes, [&](const auto& b) { return b.meets(box); }));

@@ -10,6 +10,7 @@
 
 #include "meshing/adapt/adapt.h"
 #include "meshing/base/error.h"
+#include "meshing/base/release.h"
 #include "meshing/fields/transfer.h"
 #include "meshing/metric/measure_again.h"
 #include "meshing/metric/measures.h"
@@ -169,7 +170,7 @@ class OneMesh {
   void judge() {
     if (options_.run.measure && !result_.cancelled)
       if_memory_lasts("the result is not measured", [this] { measure_after(); });
-    field_ = {};
+    meshing::release(field_);
   }
 
   /// The mesh is there already: what fails now for lack of memory costs the goal, not the mesh.
