@@ -267,6 +267,7 @@ std::optional<std::vector<double>> project(const Background* from, const ValueTa
                                            const MetricDomain& to, std::span<const std::uint32_t> places,
                                            std::span<const double> wanted,
                                            std::span<const TensorColumns> tensors, ValueTable& table) {
+  if (to.interrupted()) return std::nullopt;  // of one part alone: the others need not begin
   const Demands demands = demands_of(from, old, to, places, table);
   if (to.interrupted()) return std::nullopt;
   const MassMatrix mass(to.mesh());

@@ -404,6 +404,19 @@ TEST(Door, CancelledWhileFieldsAreCarriedInterpolatesThem) {
   }
 }
 
+TEST(Door, CancelledInSubdomainsInterpolatesFieldsInMemory) {
+  const Mesh start = box_of(4);
+  Options options = one_thread();
+  options.metric.function = "uniform:0.3";
+  options.distributed.subdomains = 2;
+  options.transfer = TransferMethod::conservative;
+  EXPECT_EQ(adapt(start, options, wave_at(start)).transfer, TransferMethod::conservative);
+  options.run.progress = [](const Progress&) { return false; };
+  const Result cut = adapt(start, options, wave_at(start));
+  EXPECT_TRUE(cut.cancelled);
+  EXPECT_EQ(cut.transfer, TransferMethod::linear);
+}
+
 TEST(Door, WhatIsAtTheVerticesOfAMendedMeshFollows) {
   const Mesh sound = box_of(4), broken = with_unused_vertex(sound);
   Options options = one_thread();

@@ -1,4 +1,5 @@
 // Adaptation of one mesh in memory, as one or in subdomains; adaptation of files.
+#include <atomic>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,7 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
   const auto bound = input.background ? std::nullopt : tools::surface_bound(options.geometry, input.mesh);
   const bool in_parts = tools::scaled_alone(metric) && !input.background && !bound;
   const double target = in_parts ? std::exchange(metric.complexity, 0) : 0;
+  std::atomic<bool> waited = false;  // the caller, for the run's end
   tools::on_one_rank([&](engine::Transport& transport) {
     tools::DistributedRun run(options, transport);
     const meshing::MeshData& owner = input.background ? *input.background : input.mesh;
@@ -63,11 +65,12 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
       result.mesh.association.model_in_words = input.mesh.association.model_in_words;
     }
     result.metric = Metric::from_logarithms(std::move(merged.log_metrics));
+    waited = run.monitor().caller_waits().load();
   });
   result.output_counts = tools::count(result.mesh);
   if (!input.fields.fields.empty()) {
-    Transfer carried =
-        meshing::transfer(input.mesh, input.fields, result.mesh, options.transfer, &monitor.caller_waits());
+    Transfer carried = meshing::transfer(input.mesh, input.fields, result.mesh, options.transfer,
+                                         waited ? &waited : &monitor.caller_waits());
     tools::account_for_transfer(carried, options.transfer, "", result);
     result.fields = std::move(carried.fields);
   }

@@ -259,7 +259,7 @@ class DistributedFileJob {
     if (!files_.trace.empty()) write_trace(files_.trace, record, run_.plan());
     if (account_.report_path.empty()) return;
     write_text(account_.report_path, text_of(json_of(account_), 1) + "\n");
-    if (files_.page) write_record(account_, record, files_.case_name);
+    if (files_.page) run_.on_threads([&] { write_record(account_, record, files_.case_name); });
   }
 
   const Files& files_;

@@ -39,11 +39,13 @@ class DistributedRun {
   bool first() const { return runtime_->rank().value == 0; }
   Monitor& monitor() { return monitor_; }
 
-  /// Does work on the threads of this rank: other ranks have the other cores. Simulated ranks take turns
-  /// within one thread, where an arena would be left by another rank than has entered it.
+  /// Does work on the threads of this rank: other ranks have the other cores. Those of a caller who asks for
+  /// no number stay. Simulated ranks take turns within one thread, where an arena would be left by another
+  /// rank than has entered it.
   template <class Work>
   auto on_threads(const Work& work) const {
-    if (shares_its_thread_) return work();
+    const bool all_are_here = runtime_->ranks() == 1 && options_.run.threads <= 0;
+    if (shares_its_thread_ || all_are_here) return work();
     return with_threads(threads_, work);
   }
 

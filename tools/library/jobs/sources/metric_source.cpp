@@ -79,6 +79,8 @@ GivenMetric given_metric(const MetricOptions& options, const MetricInputs& input
   return given;
 }
 
+constexpr const char* kCut = "the metric need not be as asked for: the run was ended while it was made";
+
 /// What takes no sweeps and no trials.
 bool limits_sizes_alone(const meshing::MetricLimits& limits, const meshing::LogMetricField* demands) {
   return !demands && !(limits.gradation > 1) && !(limits.aspect >= 1);
@@ -107,8 +109,7 @@ std::vector<std::string> process(const MetricOptions& options, const meshing::Me
     if (more) meshing::intersect_with(*more, field);
     meshing::apply_limits(domain, limits_of(options), field);
   }
-  if (!limits_sizes_alone(limits_of(options), more) && domain.interrupted())
-    return {"the metric need not be as asked for: the run was ended while it was made"};
+  if (!limits_sizes_alone(limits_of(options), more) && domain.interrupted()) return {kCut};
   if (!(options.complexity > 0)) return {};
   if (std::abs(reached / options.complexity - 1) <= kComplexityTolerance) return {};
   return {fmt::format("limits and boundary sizes lead to a complexity of {} instead of {}", grouped(reached),
@@ -121,7 +122,10 @@ LogMetricMade within_surface(const MetricOptions& options, const meshing::Metric
                              meshing::LogMetricField of_surface, meshing::LogMetricField given) {
   LogMetricMade made{given, {}};
   made.warnings = process(options, domain, demands, made.field);
-  if (domain.interrupted()) return made;
+  if (domain.interrupted()) {
+    made.warnings = {kCut};
+    return made;
+  }
   // A complexity that is asked for stays in reach.
   constexpr double kMostOfComplexity = 0.5, kAny = std::numeric_limits<double>::infinity();
   auto limit = meshing::limit_of_surface(domain, std::move(of_surface), made.field,
