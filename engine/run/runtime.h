@@ -120,7 +120,8 @@ class Runtime {
   /// The same for messages between objects that cannot move, where each rank knows what comes to it: `done`
   /// says whether all of that has been handled here. The communication thread asks it while no handler runs.
   /// Nothing is balanced, and the end takes one message up and one down the tree of ranks: run() has to ask
-  /// until it is certain. Where `done` stays false the run goes on until it is stopped.
+  /// until it is certain. Where `done` stays false, for a message that nobody sends
+  /// or that the network loses, the run goes on until it is stopped or a rank dies.
   void run_until(std::function<bool()> done, std::function<void(Context&)> root);
 
   /// All ranks stop soon and fail with `reason` (a literal: only the pointer is kept). From any thread or

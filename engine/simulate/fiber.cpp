@@ -1,5 +1,6 @@
 // Contexts of POSIX begin, jumps go on; what the sanitizers and the C++ library keep of a thread is switched
 // with them.
+#undef _FORTIFY_SOURCE  // takes a jump to another stack for a mistake; before any header
 #include "engine/simulate/fiber.h"
 
 #include <cxxabi.h>
@@ -12,10 +13,27 @@
 #include <new>
 #include <utility>
 
-#if defined(__SANITIZE_ADDRESS__)
+// GCC defines the former, Clang has the latter.
+#if defined(__has_feature)
+#define WEFT_HAS_FEATURE(feature) __has_feature(feature)
+#else
+#define WEFT_HAS_FEATURE(feature) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || WEFT_HAS_FEATURE(address_sanitizer)
+#define WEFT_ADDRESS_SANITIZER 1
+#else
+#define WEFT_ADDRESS_SANITIZER 0
+#endif
+#if defined(__SANITIZE_THREAD__) || WEFT_HAS_FEATURE(thread_sanitizer)
+#define WEFT_THREAD_SANITIZER 1
+#else
+#define WEFT_THREAD_SANITIZER 0
+#endif
+
+#if WEFT_ADDRESS_SANITIZER
 #include <sanitizer/common_interface_defs.h>
 #endif
-#if defined(__SANITIZE_THREAD__)
+#if WEFT_THREAD_SANITIZER
 #include <sanitizer/tsan_interface.h>
 #endif
 
@@ -26,7 +44,7 @@ constexpr std::size_t kGuard = 4096;
 
 /// A context switch sets the signal mask, by a system call that takes longer than most turns of a rank; a
 /// jump does not, but sanitizers and shadow stacks know nothing of jumps to other stacks.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || (defined(__CET__) && (__CET__ & 2))
+#if WEFT_ADDRESS_SANITIZER || WEFT_THREAD_SANITIZER || (defined(__CET__) && (__CET__ & 2))
 constexpr bool kJumps = false;
 #else
 constexpr bool kJumps = true;
@@ -59,10 +77,10 @@ struct Side {
 
 void switch_sides([[maybe_unused]] Side& from, [[maybe_unused]] Side& to,
                   [[maybe_unused]] bool for_ever = false) {
-#if defined(__SANITIZE_ADDRESS__)
+#if WEFT_ADDRESS_SANITIZER
   __sanitizer_start_switch_fiber(for_ever ? nullptr : &from.fake_stack, to.stack, to.stack_bytes);
 #endif
-#if defined(__SANITIZE_THREAD__)
+#if WEFT_THREAD_SANITIZER
   __tsan_switch_to_fiber(to.thread, 0);
 #endif
   if constexpr (!kJumps) {
@@ -72,7 +90,7 @@ void switch_sides([[maybe_unused]] Side& from, [[maybe_unused]] Side& to,
     if (to.has_place) _longjmp(to.place, 1);
     setcontext(&to.context);
   }
-#if defined(__SANITIZE_ADDRESS__)
+#if WEFT_ADDRESS_SANITIZER
   __sanitizer_finish_switch_fiber(from.fake_stack, nullptr, nullptr);
 #endif
 }
@@ -90,7 +108,7 @@ struct Fiber::Implementation {
   static void start(unsigned int high, unsigned int low) {
     // NOLINTNEXTLINE(performance-no-int-to-ptr): makecontext() passes ints only
     auto* self = reinterpret_cast<Implementation*>(std::uintptr_t{high} << 32 | low);
-#if defined(__SANITIZE_ADDRESS__)
+#if WEFT_ADDRESS_SANITIZER
     __sanitizer_finish_switch_fiber(nullptr, &self->outside.stack, &self->outside.stack_bytes);
 #endif
     self->function();
@@ -114,7 +132,7 @@ Fiber::Fiber(std::size_t stack_bytes, std::function<void()> function)
   self.inside.stack_bytes = self.bytes - kGuard;
   self.inside.context.uc_stack.ss_sp = const_cast<void*>(self.inside.stack);
   self.inside.context.uc_stack.ss_size = self.inside.stack_bytes;
-#if defined(__SANITIZE_THREAD__)
+#if WEFT_THREAD_SANITIZER
   self.inside.thread = __tsan_create_fiber(0);
 #endif
   const auto place = reinterpret_cast<std::uintptr_t>(&self);
@@ -123,7 +141,7 @@ Fiber::Fiber(std::size_t stack_bytes, std::function<void()> function)
 }
 
 Fiber::~Fiber() {
-#if defined(__SANITIZE_THREAD__)
+#if WEFT_THREAD_SANITIZER
   __tsan_destroy_fiber(implementation_->inside.thread);
 #endif
   munmap(implementation_->memory, implementation_->bytes);
@@ -131,7 +149,7 @@ Fiber::~Fiber() {
 
 void Fiber::enter() {
   Implementation& self = *implementation_;
-#if defined(__SANITIZE_THREAD__)
+#if WEFT_THREAD_SANITIZER
   self.outside.thread = __tsan_get_current_fiber();
 #endif
   exchange_handled(self.handled);

@@ -209,6 +209,7 @@ struct Mailbox {
         (*combine)(sum.bytes, parts[k]->bytes);
       else
         sum.append(*parts[k]);
+      parts[k].reset();
     }
     return sum;
   }
