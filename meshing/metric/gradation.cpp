@@ -147,10 +147,12 @@ class Grading {
     std::iota(changed_.begin(), changed_.end(), 0u);
   }
 
-  /// True when some metric changed and nobody is interrupted. Only neighbours that changed in the last sweep
-  /// can demand anything new, because metrics never become smaller; most sweeps are over a front of few
-  /// vertices.
-  bool sweep() {
+  /// Of parts the greatest counts: whose flag is set ends the sweeps of all.
+  enum class Outcome : std::uint8_t { graded, changed, interrupted };
+
+  /// Only neighbours that changed in the last sweep can demand anything new, because metrics never become
+  /// smaller; most sweeps are over a front of few vertices.
+  Outcome sweep() {
     for_each_index(changed_.size(),
                    [&](std::size_t i) { growth_.update(changed_[i], metrics_[changed_[i]]); });
     const std::vector<std::uint32_t> candidates = beside_changed();
@@ -181,14 +183,15 @@ class Grading {
       state_[v] |= kChanged | kEverChanged;
       changed_.push_back(v);
     }
-    return domain_.max(domain_.interrupted_here() ? kInterrupted : changed_.empty() ? 0 : kGoesOn) == kGoesOn;
+    const Outcome here = domain_.interrupted_here() ? Outcome::interrupted
+                         : changed_.empty()         ? Outcome::graded
+                                                    : Outcome::changed;
+    return static_cast<Outcome>(domain_.max(static_cast<double>(here)));
   }
   bool ever_changed(std::size_t v) const { return state_[v] & kEverChanged; }
 
  private:
   static constexpr std::uint8_t kChanged = 1, kEverChanged = 2, kCandidate = 4;
-  /// Of parts the greatest counts: whose flag is set ends the sweeps of all.
-  static constexpr double kGoesOn = 1, kInterrupted = 2;
 
   /// All owned neighbours of the vertices that changed last, once each.
   std::vector<std::uint32_t> beside_changed() {
@@ -241,8 +244,12 @@ int grade(const MetricDomain& domain, const VertexLists& neighbours, double beta
   // A demand travels one edge a sweep and weakens on the way, so that none passes a vertex twice (Bellman and
   // Ford's argument, exact for isotropic sizes). Intersections of anisotropic ones may need a few more.
   const std::size_t most = domain.num_points() + 50;
+  using Outcome = typename Grading<Growth>::Outcome;
   int sweeps = 0;
-  while (static_cast<std::size_t>(sweeps) < most && grading.sweep()) ++sweeps;
+  for (auto last = Outcome::changed; last == Outcome::changed && static_cast<std::size_t>(sweeps) < most;) {
+    last = grading.sweep();
+    if (last != Outcome::graded) ++sweeps;
+  }
   for_each_index(field.size(), [&](std::size_t i) {
     if (grading.ever_changed(i)) field[i] = log_of(metrics[i]);
   });

@@ -19,8 +19,8 @@ class Gradation {
   /// state before it (so that their order does not matter), until no metric falls short of that by more than
   /// 0.1 %: at most as many sweeps as a chain of edges is long, each over the vertices that the last one left
   /// to be looked at. Returns the number of sweeps that changed something: 0 where the field is graded
-  /// already. Ends after a sweep once the domain is interrupted. Memory: 110 bytes a vertex, in the mixed
-  /// space twice that.
+  /// already. Ends after a sweep, which counts, once the domain is interrupted. Memory: 110 bytes a vertex,
+  /// in the mixed space twice that.
   int limit(LogMetricField& field) const;
 
  private:

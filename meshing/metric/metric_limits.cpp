@@ -16,11 +16,11 @@ namespace {
 class Limiter {
  public:
   Limiter(const MetricDomain& domain, const MetricLimits& limits)
-      : domain_(domain), limits_(limits), gradation_(domain, limits.gradation, limits.space) {}
+      : limits_(limits), gradation_(domain, limits.gradation, limits.space) {}
 
   void operator()(LogMetricField& field) const {
     clamp(field);
-    if (gradation_.limit(field) > 0 || domain_.interrupted()) clamp(field);  // a sweep that was cut is none
+    if (gradation_.limit(field) > 0) clamp(field);
   }
 
  private:
@@ -29,7 +29,6 @@ class Limiter {
     if (limits_.hmin > 0 || limits_.hmax > 0) limit_sizes(limits_.hmin, limits_.hmax, field);
   }
 
-  const MetricDomain& domain_;
   MetricLimits limits_;
   Gradation gradation_;
 };

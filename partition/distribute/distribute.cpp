@@ -13,7 +13,6 @@
 
 #include "meshing/base/place_in.h"
 #include "meshing/base/release.h"
-#include "meshing/base/sort_unique.h"
 #include "meshing/metric/expectations.h"
 #include "meshing/metric/measure_lanes.h"
 #include "partition/communication/home_rank.h"
@@ -29,6 +28,7 @@
 #include "partition/distribute/start_builder.h"
 #include "partition/refine/refine_interface.h"
 #include "partition/slice/slice_checks.h"
+#include "partition/slice/used_numbers.h"
 #include "partition/surface/boundary_index.h"
 #include "partition/surface/boundary_share.h"
 #include "partition/surface/surface_parts.h"
@@ -148,9 +148,7 @@ std::vector<double> reaches(Peers& peers, const MeshSlice& slice, const Ranges& 
                             const std::vector<double>& coordinate) {
   if (coordinate.size() != slice.points.size())
     throw std::invalid_argument("slabs along a coordinate of the boundary: the points have none");
-  std::vector<std::uint32_t> numbers;
-  for (const auto& tet : slice.tets) numbers.insert(numbers.end(), tet.begin(), tet.end());
-  meshing::sort_unique(numbers);
+  const std::vector<std::uint32_t> numbers = used_numbers(slice.tets);
   const std::vector<double> values =
       fetch<double>(peers, points, numbers, [&](std::size_t i) { return coordinate[i]; });
   const auto value = [&](std::uint32_t v) { return values[meshing::place_in(numbers, v)]; };

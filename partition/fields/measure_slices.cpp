@@ -16,6 +16,7 @@
 #include "partition/communication/reduce.h"
 #include "partition/output/measure_pieces.h"
 #include "partition/slice/fetched_points.h"
+#include "partition/slice/used_numbers.h"
 
 namespace weft::partition {
 namespace {
@@ -30,8 +31,7 @@ std::uint32_t place_of(const std::vector<std::uint32_t>& numbers, std::uint32_t 
 
 /// The vertices of these tets and the slice's own points, ascending: every point of the mesh is somebody's.
 std::vector<std::uint32_t> numbers_here(const MeshSlice& slice) {
-  std::vector<std::uint32_t> numbers;
-  for (const Tet& tet : slice.tets) numbers.insert(numbers.end(), tet.begin(), tet.end());
+  std::vector<std::uint32_t> numbers = used_numbers(slice.tets);
   for (std::size_t i = 0; i < slice.points.size(); ++i)
     numbers.push_back(static_cast<std::uint32_t>(slice.first_point + i));
   meshing::sort_unique(numbers);

@@ -17,6 +17,7 @@
 #include "partition/distribute/point_records.h"
 #include "partition/fields/cell_homes.h"
 #include "partition/fields/tets_meet.h"
+#include "partition/slice/used_numbers.h"
 
 namespace weft::partition {
 namespace {
@@ -250,9 +251,7 @@ std::vector<Tet> OwnBackground::places_of(PartPair& meshes, const MeshSlice& bac
 
 void OwnBackground::cut(const PartDomain& domain, const MeshSlice& background) {
   tets_ = in_pieces(peers_, tets_here(peers_, domain));
-  std::vector<std::uint32_t> numbers;
-  for (const Tet& tet : tets_) numbers.insert(numbers.end(), tet.begin(), tet.end());
-  meshing::sort_unique(numbers);
+  const std::vector<std::uint32_t> numbers = used_numbers(tets_);
   const Ranges ranges(peers_, background.points.size());
   const std::vector<PointRecord> records = fetch_points(peers_, background, ranges, numbers);
   std::vector<Point> points;

@@ -6,6 +6,7 @@
 #include "engine/json/json.h"
 #include "engine/mpi/mpi_transport.h"
 #include "meshing/base/error.h"
+#include "meshing/base/release.h"
 #include "meshing/fields/transfer.h"
 #include "meshing/metric/measures.h"
 #include "partition/output/merge_pieces.h"
@@ -54,7 +55,7 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
       if (target > 0) meshing::scale_to_complexity(input.mesh, target, made.field);
       result.before = meshing::measure(input.mesh, made.field);
     }
-    made.field = {};
+    meshing::release(made.field);
     run.adapt(std::move(input.background ? of_mesh : of_metric), target, input.name, result,
               input.background ? &of_metric : nullptr);
     if (options.run.measure && !result.cancelled) run.measure(result);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "meshing/base/error.h"
+#include "meshing/base/release.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/mesh/mesh_data.h"
 #include "partition/communication/agreement.h"
@@ -73,7 +74,7 @@ class DealtColumn {
         std::copy(next, end, share.begin() + static_cast<std::ptrdiff_t>(runs_here[r][i] - mine.first));
         next = end;
       }
-      rows_here[r] = {};
+      meshing::release(rows_here[r]);
     }
     return share;
   }
@@ -114,7 +115,7 @@ bool pass_block(Peers& peers, const Announcement& mine, partition::Bytes rows, D
       to_each[r] = partition::bytes_of(std::vector{mine});
       if (r == mine.rank) to_each[r].insert(to_each[r].end(), rows.begin(), rows.end());
     }
-  rows = {};
+  meshing::release(rows);
   partition::Bytes arrived = std::move(peers.all_to_all(std::move(to_each))[0]);
   const Announcement said =
       partition::values_of<Announcement>({arrived.begin(), arrived.begin() + sizeof(Announcement)})[0];
