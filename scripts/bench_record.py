@@ -16,6 +16,9 @@ import shutil
 import subprocess
 import sys
 
+import matplotlib
+from matplotlib import pyplot
+
 import bench
 
 ROOT, OUT = bench.ROOT, bench.OUT
@@ -163,9 +166,7 @@ def write_table(bars, about):
 
 
 def draw(bars, about):
-    import matplotlib
     matplotlib.use("svg")
-    from matplotlib import pyplot
     figure, axes = pyplot.subplots(len(bars), 1, figsize=(8, 0.6 + sum(0.4 + 0.3 * len(b) for b in bars.values())), squeeze=False,
                                    gridspec_kw={"height_ratios": [1 + len(b) for b in bars.values()]})
     for ((case, task), programs), plot in zip(bars.items(), axes[:, 0]):

@@ -261,6 +261,12 @@ class OtherCommands(Subdomains):
             self.assertRegex(lines[0], "^weft: (none|nowhere)")
             self.assertEqual(self.files(), before)
 
+    def test_what_is_wrong_with_arguments_is_told_once(self):
+        for words, code, said in ((("stat", "--bogus", "b.meshb"), 64, "See `weft stat --help`"), (("stats", "b.meshb"), 64, "no subcommand"),
+                                  ((), 64, "Usage: weft"), (("--version",), 0, "compiler"), (("stat", "--help"), 0, "Usage: weft stat")):
+            done = self.command_on(3, *words, expect=code)
+            self.assertEqual((done.stdout + done.stderr).count(said), 1, done.stdout + done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <queue>
 #include <span>
 
 #include "meshing/base/error.h"
@@ -285,12 +287,13 @@ std::vector<Classifier::Candidate> Classifier::faces_near(std::uint32_t v) const
   for (auto r = recorded; r != face_records_.end() && r->first == v; ++r)
     found.push_back({r->second, model_.closest_within(r->second, p).distance});
   if (!found.empty()) return found;
-  std::vector<std::pair<double, std::uint32_t>> order;
+  std::vector<std::pair<double, std::uint32_t>> boxes;
   for (std::uint32_t f = 0; f < model_.num_faces(); ++f)
-    order.emplace_back(std::sqrt(model_.face_box(f).distance2(p)), f);
-  std::sort(order.begin(), order.end());
+    boxes.emplace_back(std::sqrt(model_.face_box(f).distance2(p)), f);
+  // A heap, since of many faces few are looked at.
   double nearest = kUnbounded;
-  for (const auto& [least, f] : order) {
+  for (std::priority_queue order(std::greater{}, std::move(boxes)); !order.empty(); order.pop()) {
+    const auto [least, f] = order.top();
     if (least > std::max(kNearlyAsNear * nearest, nearest + on())) break;
     const double d = model_.closest_within(f, p).distance;
     nearest = std::min(nearest, d);

@@ -37,6 +37,16 @@ Exit codes: 0 success; 1 valid mesh, but the goal was not met (`verify`: it does
 /// For the build alone, which makes man pages, shell completion and the command reference of it.
 constexpr const char* kHelpData = "--help-data";
 
+/// mpirun ends all ranks when one has ended with an error: the one that says why gets a moment for its words.
+void wait_for_words() { std::this_thread::sleep_for(std::chrono::milliseconds(300)); }
+
+/// Ranks have the same arguments: what is wrong with them is said by the first, while the others wait.
+bool says_it() {
+  if (place_on_ranks().rank == 0) return true;
+  wait_for_words();
+  return false;
+}
+
 std::vector<std::string> subcommand_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; }))
@@ -49,14 +59,20 @@ bool report_unknown_subcommand(const CLI::App& app, const std::vector<std::strin
   const std::vector<std::string> names = subcommand_names(app);
   if (arguments[0].starts_with("-")) return false;
   if (std::find(names.begin(), names.end(), arguments[0]) != names.end()) return false;
+  if (!says_it()) return true;
   const std::string closest = closest_word(arguments[0], names);
   const std::string hint = closest.empty() ? "see `weft --help`" : "did you mean `weft " + closest + "`?";
   fmt::print(stderr, "weft: no subcommand '{}': {}\n", arguments[0], hint);
   return true;
 }
 
+/// Help and versions are asked for by a "parse error", too.
+int exit_code_of(const CLI::ParseError& error) {
+  return error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success) ? kDone : kUsage;
+}
+
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
-  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {  // --help, --version
+  if (exit_code_of(error) == kDone) {
     app.exit(error);
     return kDone;
   }
@@ -74,9 +90,6 @@ bool is_done_by_first(const std::string& subcommand) {
   constexpr std::string_view kTogether[] = {"adapt", "stat", "metric", "interpolate", "convert", "verify"};
   return under_mpirun() && std::ranges::find(kTogether, subcommand) == std::end(kTogether);
 }
-
-/// mpirun ends all ranks when one has ended with an error: the one that says why gets a moment for its words.
-void wait_for_words() { std::this_thread::sleep_for(std::chrono::milliseconds(300)); }
 
 int run_action(const Action& action) {
   try {
@@ -124,7 +137,7 @@ int run_command_line(const std::vector<std::string>& arguments) {
   add_loop_command(app, action);
   if (!arguments.empty() && is_done_by_first(arguments[0]) && place_on_ranks().rank != 0) return kDone;
   if (arguments.empty()) {
-    fmt::print(stderr, "{}", app.help());
+    if (says_it()) fmt::print(stderr, "{}", app.help());
     return kUsage;
   }
   if (arguments == std::vector<std::string>{kHelpData}) {
@@ -136,6 +149,10 @@ int run_command_line(const std::vector<std::string>& arguments) {
     std::vector<std::string> reversed = translate_aliases(arguments);
     std::reverse(reversed.begin(), reversed.end());  // the order that CLI11 takes a vector in
     app.parse(std::move(reversed));
+  } catch (const CLI::ParseError& error) {
+    return says_it() ? report_parse_error(app, error) : exit_code_of(error);
+  }
+  try {
     if (is_done_by_first(arguments[0]) && place_on_ranks().ranks > 1 && arguments[0] != "loop")
       fmt::print(stderr, "{}", done_by_first(arguments[0]));
     return run_action(action);
