@@ -31,7 +31,7 @@ PUBLISHED = {("cube-500k", "adapt, 1 thread"): {"feflo.a (published)": 43.9}}
 
 def commit():
     told = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
-    changed = subprocess.run(["git", "-C", ROOT, "diff", "--quiet", "HEAD"], check=False).returncode != 0
+    changed = subprocess.run(["git", "-C", ROOT, "diff", "--quiet", "HEAD", "--", ".", f":!{HISTORY.relative_to(ROOT)}"], check=False).returncode != 0
     return told.stdout.strip() + ("+" if changed else "")
 
 
