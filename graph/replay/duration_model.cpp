@@ -29,22 +29,33 @@ DurationModel::DurationModel(const GraphDump& recorded)
     : sizes_(sizes_of(recorded)), exponents_(recorded.description.nodes.size()) {
   add_samples(recorded);
   for (NodeIndex node = 0; node < exponents_.size(); ++node) fit(node, recorded.description.nodes[node].kind);
+  for (auto& [key, samples] : samples_) samples.uneven = unevenness(samples.all, exponents_[key.first]);
 }
 
 void DurationModel::add_samples(const GraphDump& recorded) {
   for (const DumpedRun& run : recorded.runs)
-    samples_[{run.node, run.round}].push_back(
+    samples_[{run.node, run.round}].all.push_back(
         {sizes_[run.instance], std::max(1.0, static_cast<double>(run.end - run.begin))});
+}
+
+/// Of the times, once the sizes are taken out of them.
+double DurationModel::unevenness(const std::vector<Sample>& samples, double exponent) {
+  double sum = 0, squares = 0;
+  for (const Sample& s : samples) {
+    const double time = s.nanoseconds / std::pow(s.size, exponent);
+    sum += time, squares += time * time;
+  }
+  return std::max(0.0, 1 - sum * sum / (squares * static_cast<double>(samples.size())));
 }
 
 /// Least squares with a normal prior of the slope. What an instance does by itself goes over all that it has;
 /// what it does when values of its neighbours have come, over what lies along the surface between them.
 void DurationModel::fit(NodeIndex node, dataflow::NodeKind kind) {
-  constexpr double kDeviation = 0.25;
+  constexpr double kDeviation = 0.1;
   const double prior = kind == dataflow::NodeKind::start ? 1 : 2.0 / 3;
   double xx = 0, xy = 0, yy = 0, degrees = 0;
   for (auto at = samples_.lower_bound({node, 0}); at != samples_.end() && at->first.first == node; ++at) {
-    const std::vector<Sample>& samples = at->second;
+    const std::vector<Sample>& samples = at->second.all;
     const auto count = static_cast<double>(samples.size());
     double x_mean = 0, y_mean = 0;
     for (const Sample& s : samples)
@@ -61,11 +72,20 @@ void DurationModel::fit(NodeIndex node, dataflow::NodeKind kind) {
   exponents_[node] = (xy / variance + prior * precision) / (xx / variance + precision);
 }
 
+/// What makes one instance take longer than another lies on surfaces (of the boundary, where the metric turns
+/// or jumps, of what was too coarse): 1/n of a volume meets such a surface with a probability that is n^(1/3)
+/// times 1/n of what would fill it, so that the mean square of its times, divided by the square of the mean,
+/// grows by n^(1/3) as far as it is uneven. The factor is log-normal, of mean 1; no part takes longer than
+/// the whole.
 engine::TimePoint DurationModel::draw(NodeIndex node, std::uint64_t round, double size,
                                       std::mt19937_64& random) const {
-  const std::vector<Sample>& samples = samples_.at({node, round});
-  const Sample& drawn = samples[random() % samples.size()];
-  return static_cast<engine::TimePoint>(drawn.nanoseconds * std::pow(size / drawn.size, exponent(node)));
+  const Samples& samples = samples_.at({node, round});
+  const Sample& drawn = samples.all[random() % samples.all.size()];
+  const double mean = drawn.nanoseconds * std::pow(size / drawn.size, exponent(node));
+  if (!(size < drawn.size)) return static_cast<engine::TimePoint>(mean);
+  const double variance = std::log1p((std::cbrt(drawn.size / size) - 1) * samples.uneven);
+  std::lognormal_distribution<double> factor(-variance / 2, std::sqrt(variance));
+  return static_cast<engine::TimePoint>(std::min(drawn.nanoseconds, mean * factor(random)));
 }
 
 }  // namespace weft::graph::replay

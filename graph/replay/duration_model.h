@@ -16,7 +16,8 @@ namespace weft::graph::replay {
 inline constexpr const char* kSizeCounter = "tets predicted";
 
 /// Bootstrapped: a run takes what one of the same node and round took in a recorded instance drawn at random,
-/// times the ratio of the sizes to the power that fits the node's recorded times.
+/// times the ratio of the sizes to the power that fits the node's recorded times. Of a smaller instance that
+/// is the mean: pieces differ more than what they are pieces of.
 class DurationModel {
  public:
   explicit DurationModel(const dataflow::GraphDump& recorded);
@@ -35,11 +36,16 @@ class DurationModel {
     double size;
     double nanoseconds;
   };
+  struct Samples {
+    std::vector<Sample> all;
+    double uneven = 0;  ///< in [0, 1): share of the mean square of the times that is not their mean's
+  };
   void add_samples(const dataflow::GraphDump& recorded);
   void fit(dataflow::NodeIndex node, dataflow::NodeKind kind);
+  static double unevenness(const std::vector<Sample>& samples, double exponent);
 
   std::vector<double> sizes_;
-  std::map<std::pair<dataflow::NodeIndex, std::uint64_t>, std::vector<Sample>> samples_;  ///< node, round
+  std::map<std::pair<dataflow::NodeIndex, std::uint64_t>, Samples> samples_;  ///< node, round
   std::vector<double> exponents_;
 };
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -191,6 +192,37 @@ TEST(Replay, Times_go_with_the_power_of_the_size_that_was_recorded) {
   without.counter_names.clear();
   for (auto& run : without.runs) run.counters.clear();
   EXPECT_EQ(DurationModel(without).exponent(node_named(dump, "propose")), 1);
+}
+
+/// 1,000 instances of one node and equal sizes, which take so many milliseconds in turn.
+GraphDump taking(const std::vector<int>& milliseconds) {
+  GraphDump dump;
+  dump.description = {"one", {{"work", dataflow::NodeKind::start}}, {}};
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    dump.instances.push_back({i, {engine::Rank(0), i + 1}, engine::Rank(0)});
+    dataflow::DumpedRun run;
+    run.instance = i, run.end = 1'000'000 * milliseconds[i % milliseconds.size()];
+    dump.runs.push_back(run);
+  }
+  return dump;
+}
+
+TEST(Replay, Parts_of_what_is_uneven_are_more_uneven) {
+  const DurationModel even(taking({4})), uneven(taking({1, 9}));
+  std::mt19937_64 random(7);
+  EXPECT_EQ(even.draw(0, 0, 0.25, random), 1'000'000);
+  EXPECT_EQ(even.draw(0, 0, 4, random), 16'000'000);
+  constexpr int kDraws = 20'000;
+  double sum = 0, squares = 0, most = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const double ms = 1e-6 * static_cast<double>(uneven.draw(0, 0, 0.125, random));
+    sum += ms / kDraws, squares += ms * ms / kDraws, most = std::max(most, ms);
+  }
+  EXPECT_NEAR(sum, 5.0 / 8, 0.02) << "an eighth of the mean";
+  const double whole = 41.0 / 25;  // mean square by square of the mean
+  EXPECT_NEAR(squares / (sum * sum), whole * (1 + (2 - 1) * (1 - 1 / whole)), 0.1) << "cube root of 8: 2";
+  EXPECT_GT(most, 9.0 / 8);
+  EXPECT_LE(most, 9) << "no part takes longer than the whole";
 }
 
 TEST(Replay, A_finer_decomposition_of_the_same_mesh_has_about_the_same_work) {
