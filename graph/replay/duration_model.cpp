@@ -77,15 +77,15 @@ void DurationModel::fit(NodeIndex node, dataflow::NodeKind kind) {
 /// times 1/n of what would fill it, so that the mean square of its times, divided by the square of the mean,
 /// grows by n^(1/3) as far as it is uneven. The factor is log-normal, of mean 1; no part takes longer than
 /// the whole.
-engine::TimePoint DurationModel::draw(NodeIndex node, std::uint64_t round, double size,
+engine::TimePoint DurationModel::draw(NodeIndex node, std::uint64_t round, const Drawn& instance,
                                       std::mt19937_64& random) const {
   const Samples& samples = samples_.at({node, round});
   const Sample& drawn = samples.all[random() % samples.all.size()];
-  const double mean = drawn.nanoseconds * std::pow(size / drawn.size, exponent(node));
-  if (!(size < drawn.size)) return static_cast<engine::TimePoint>(mean);
-  const double variance = std::log1p((std::cbrt(drawn.size / size) - 1) * samples.uneven);
-  std::lognormal_distribution<double> factor(-variance / 2, std::sqrt(variance));
-  return static_cast<engine::TimePoint>(std::min(drawn.nanoseconds, mean * factor(random)));
+  const double mean = drawn.nanoseconds * std::pow(instance.size / drawn.size, exponent(node));
+  if (!(instance.size < drawn.size)) return static_cast<engine::TimePoint>(mean);
+  const double variance = std::log1p((std::cbrt(drawn.size / instance.size) - 1) * samples.uneven);
+  const double factor = std::exp(std::sqrt(variance) * instance.difficulty - variance / 2);
+  return static_cast<engine::TimePoint>(std::min(drawn.nanoseconds, mean * factor));
 }
 
 }  // namespace weft::graph::replay

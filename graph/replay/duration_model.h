@@ -15,6 +15,12 @@ namespace weft::graph::replay {
 /// The counter by which instances say how large they will be.
 inline constexpr const char* kSizeCounter = "tets predicted";
 
+/// An instance that was not recorded.
+struct Drawn {
+  double size;
+  double difficulty;  ///< beside those of its size: of the standard normal distribution
+};
+
 /// Bootstrapped: a run takes what one of the same node and round took in a recorded instance drawn at random,
 /// times the ratio of the sizes to the power that fits the node's recorded times. Of a smaller instance that
 /// is the mean: pieces differ more than what they are pieces of.
@@ -24,8 +30,8 @@ class DurationModel {
 
   /// Of each recorded instance: its predicted tets; 1 for all where that was not counted.
   const std::vector<double>& sizes() const { return sizes_; }
-  /// Nanoseconds.
-  engine::TimePoint draw(dataflow::NodeIndex node, std::uint64_t round, double size,
+  /// Nanoseconds. What is hard for an instance in one round is so in the others.
+  engine::TimePoint draw(dataflow::NodeIndex node, std::uint64_t round, const Drawn& instance,
                          std::mt19937_64& random) const;
   /// Seconds of a node go with this power of the size: fitted within the rounds, pulled to that of a volume
   /// or a surface where the recorded sizes differ too little to tell.

@@ -210,22 +210,23 @@ class Enlarger {
 
   void add_copy(std::uint32_t copy) {
     const auto instances = static_cast<std::uint32_t>(dump_.instances.size());
-    std::vector<double> sizes;
+    std::vector<Drawn> drawn;
     for (auto instance : dump_.instances) {
       instance.number += std::uint64_t{copy} * instances;
       if (copy > 0) instance.object = {engine::Rank(0), copy * instances + instance.object.number + 1};
       large_.instances.push_back(instance);
-      sizes.push_back(durations_.sizes()[random_() % instances] * growth());
+      const double size = durations_.sizes()[random_() % instances] * growth();
+      drawn.push_back({size, difficulty_(random_)});
     }
     for (DumpedRun run : dump_.runs) {
-      if (!is_recording(copy)) resize(run, sizes[run.instance]);
+      if (!is_recording(copy)) resize(run, drawn[run.instance]);
       run.instance += copy * instances;
       large_.runs.push_back(std::move(run));
     }
   }
 
-  void resize(DumpedRun& run, double size) {
-    const TimePoint takes = durations_.draw(run.node, run.round, size, random_);
+  void resize(DumpedRun& run, const Drawn& instance) {
+    const TimePoint takes = durations_.draw(run.node, run.round, instance, random_);
     counters_.scale(run, ratio_of(takes, run.end - run.begin));
     run.end = run.begin + takes;
     run.bytes_received = on_surface(run.bytes_received);
@@ -261,6 +262,7 @@ class Enlarger {
   SecondsCounters counters_;
   double surface_;
   std::mt19937_64 random_;
+  std::normal_distribution<double> difficulty_;
   GraphDump large_;
 };
 

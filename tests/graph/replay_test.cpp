@@ -184,7 +184,7 @@ std::uint64_t bytes_of(const GraphDump& dump) {
 
 /// In the simulated run adaptations take a time that goes with the size, proposals one that does not.
 TEST(Replay, Times_go_with_the_power_of_the_size_that_was_recorded) {
-  const GraphDump dump = recorded(100);
+  const GraphDump dump = recorded(400);
   const DurationModel model(dump);
   EXPECT_NEAR(model.exponent(node_named(dump, "adapt interior")), 1, 0.15);
   EXPECT_NEAR(model.exponent(node_named(dump, "propose")), 0, 0.15);
@@ -210,12 +210,13 @@ GraphDump taking(const std::vector<int>& milliseconds) {
 TEST(Replay, Parts_of_what_is_uneven_are_more_uneven) {
   const DurationModel even(taking({4})), uneven(taking({1, 9}));
   std::mt19937_64 random(7);
-  EXPECT_EQ(even.draw(0, 0, 0.25, random), 1'000'000);
-  EXPECT_EQ(even.draw(0, 0, 4, random), 16'000'000);
+  std::normal_distribution<double> difficulty;
+  EXPECT_EQ(even.draw(0, 0, {0.25, 2}, random), 1'000'000);
+  EXPECT_EQ(even.draw(0, 0, {4, 2}, random), 16'000'000);
   constexpr int kDraws = 20'000;
   double sum = 0, squares = 0, most = 0;
   for (int i = 0; i < kDraws; ++i) {
-    const double ms = 1e-6 * static_cast<double>(uneven.draw(0, 0, 0.125, random));
+    const double ms = 1e-6 * static_cast<double>(uneven.draw(0, 0, {0.125, difficulty(random)}, random));
     sum += ms / kDraws, squares += ms * ms / kDraws, most = std::max(most, ms);
   }
   EXPECT_NEAR(sum, 5.0 / 8, 0.02) << "an eighth of the mean";
