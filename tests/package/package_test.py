@@ -93,7 +93,7 @@ class Package(unittest.TestCase):
             for name in ("x.step", "x.cgns"):
                 (self.folder / name).write_text("nothing\n")
             self.assertEqual(self.loaded_by("mesh", "box", "--cells", "2", "2", "2", "-o", "x.meshb"), {os.path.realpath(copy / "libweft.so.0")})
-            for part, *words in [("libweft_cgns.so", "convert", "x.cgns", "y.meshb"),
+            for part, *words in [("libweft_cgns.so", "convert", "x.cgns", "y.meshb"), ("libweft_cairo.so", "view", "x.meshb", "-o", "x.png"),
                                  ("libweft_cad.so", "mesh", "x.step", "-o", "y.meshb")]:
                 if part == "libweft_cad.so" and not list(library.parent.rglob(part)):
                     continue  # built without OpenCASCADE
