@@ -27,8 +27,8 @@ std::vector<fs::path> places() {
           own / "../lib" / kPartName,
           own / "../lib/weft" / kPartName,
           own / "../../weft" / kPartName,
-#ifdef WEFT_SIMGRID_BUILD_FOLDER
-          fs::path(WEFT_SIMGRID_BUILD_FOLDER) / kPartName
+#ifdef WEFT_PARTS_FOLDER
+          fs::path(WEFT_PARTS_FOLDER) / kPartName
 #endif
   };
 }

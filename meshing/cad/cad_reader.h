@@ -33,9 +33,7 @@ class CadReader {
   virtual MeshData tessellate(const GeometryModel& model, const CadTessellation& options) const = 0;
 };
 
-/// The one function of the loaded part; `interface` is kCadInterface of the caller, null is returned for
-/// another.
-using CadEntry = const CadReader* (*)(int interface);
+/// The part that offers it (see load_part.h).
 inline constexpr const char* kCadEntryName = "weft_cad_reader";
 inline constexpr int kCadInterface = 5;
 

@@ -1,8 +1,6 @@
-// Finds and loads the part that knows OpenCASCADE: a library of its own, so that a run without a model loads
-// none of OpenCASCADE's libraries.
+// Models come through the part of weft that knows OpenCASCADE.
 #include "meshing/cad/load_model.h"
 
-#include <dlfcn.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +15,7 @@
 #include <vector>
 
 #include "meshing/base/error.h"
+#include "meshing/base/load_part.h"
 #include "meshing/io/files/child_process.h"
 
 namespace weft::meshing {
@@ -26,54 +25,10 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 7> kExtensions = {".step", ".stp", ".iges", ".igs",
                                                          ".brep", ".brp", ".egads"};
-constexpr const char* kPartName = "libweft_cad.so";
-
-/// The folder of the library or program that holds this code.
-fs::path own_folder() {
-  Dl_info info;
-  if (dladdr(reinterpret_cast<void*>(&own_folder), &info) == 0 || !info.dli_fname) return {};
-  std::error_code ignored;
-  return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
-}
-
-/// Beside this code, where an installation has its libraries (which may be two folders up: those for some
-/// processors only lie in glibc-hwcaps/LEVEL), and where a build has them.
-std::vector<fs::path> places() {
-  const fs::path own = own_folder();
-  std::vector<fs::path> all = {own / kPartName, own / "weft" / kPartName, own / "../lib" / kPartName,
-                               own / "../lib/weft" / kPartName, own / "../../weft" / kPartName};
-#ifdef WEFT_CAD_BUILD_FOLDER
-  all.push_back(fs::path(WEFT_CAD_BUILD_FOLDER) / kPartName);
-#endif
-  return all;
-}
-
-struct Part {
-  const CadReader* reader = nullptr;
-  std::string reason;  ///< why there is none
-};
-
-Part load_part() {
-  Part part;
-  std::error_code ignored;
-  for (const fs::path& place : places()) {
-    if (!fs::exists(place, ignored)) continue;
-    void* library = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!library) {
-      part.reason = dlerror();
-      continue;
-    }
-    const auto entry = reinterpret_cast<CadEntry>(dlsym(library, kCadEntryName));
-    part.reader = entry ? entry(kCadInterface) : nullptr;
-    if (part.reader) return part;
-    part.reason = place.string() + " is of another version of weft";
-  }
-  return part;
-}
 
 const CadReader& reader(const std::string& path) {
-  static const Part part = load_part();
-  if (part.reader) return *part.reader;
+  static const Part part = load_part("libweft_cad.so", kCadEntryName, kCadInterface);
+  if (part.offer) return *static_cast<const CadReader*>(part.offer);
   throw InputError(path, "",
                    part.reason.empty()
                        ? "reading CAD models needs OpenCASCADE, and this weft was built without: install "

@@ -458,8 +458,8 @@ class OccReader : public CadReader {
 }  // namespace
 }  // namespace weft::meshing
 
-extern "C" __attribute__((visibility("default"))) const weft::meshing::CadReader* weft_cad_reader(
-    int interface) {
-  static const weft::meshing::OccReader reader;
-  return interface == weft::meshing::kCadInterface ? &reader : nullptr;
+extern "C" __attribute__((visibility("default"))) const void* weft_cad_reader(int interface) {
+  using namespace weft::meshing;
+  static const OccReader reader;
+  return interface == kCadInterface ? static_cast<const CadReader*>(&reader) : nullptr;
 }

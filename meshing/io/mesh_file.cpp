@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "meshing/base/error.h"
-#include "meshing/io/cgns.h"
+#include "meshing/io/cgns_part.h"
 #include "meshing/io/gmf/gmf.h"
 #include "meshing/io/gmf/gmf_slice.h"
 #include "meshing/io/gmsh/gmsh.h"
@@ -52,6 +52,7 @@ struct Format {
   unsigned keeps;
   MeshContents (*read)(const fs::path&, Coordinates);
   void (*write)(const fs::path&, const MeshView&, const WriteOptions&);
+  void (*load)(const fs::path&) = nullptr;  ///< what a part of weft does; throws where it is missing
   std::optional<MeshSize> (*size)(const fs::path&) = nullptr;  ///< where ranges can be read
   MeshContents (*read_range)(const fs::path&, const MeshRange&) = nullptr;
   // Where the mesh may be in pieces: the files that have them, how large these pieces are, and parts of them.
@@ -97,6 +98,15 @@ MeshContents read_gmf_range(const fs::path& path, const MeshRange& range) {
   return contents;
 }
 bool gmsh_has_no_ranges(const fs::path& path) { return !gmsh_size(path); }
+/// What the part of weft that knows CGNS does with a file.
+template <auto function, class... Arguments>
+auto by_cgns(const fs::path& path, Arguments... arguments) {
+  return (cgns_part(path).*function)(path, std::forward<Arguments>(arguments)...);
+}
+std::unique_ptr<PartWriter> open_cgns(PartTarget target, const WholeMesh& whole, const PartPlaces& places) {
+  const CgnsPart& part = cgns_part(target.name);
+  return part.open_part(std::move(target), whole, places);
+}
 void write_gmf(const fs::path& path, const MeshView& contents, const WriteOptions&) {
   write_gmf_mesh(path, contents.mesh);
 }
@@ -168,16 +178,17 @@ constexpr std::array kFormats = {
         .extension = ".pvtu", .keeps = kVtu, .read = read_pvtu, .write = write_pvtu, .sources = pvtu_sources},
     Format{.extension = ".cgns",
            .keeps = kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields,
-           .read = read_cgns,
-           .write = write_cgns,
-           .size = cgns_size,
-           .read_range = read_cgns_range,
-           .piece_sizes = cgns_piece_sizes,
-           .read_piece_ranges = read_cgns_piece_ranges,
-           .read_piece_fields = read_cgns_piece_fields,
+           .read = by_cgns<&CgnsPart::read>,
+           .write = by_cgns<&CgnsPart::write>,
+           .load = [](const fs::path& path) { cgns_part(path); },
+           .size = by_cgns<&CgnsPart::size>,
+           .read_range = by_cgns<&CgnsPart::read_range>,
+           .piece_sizes = by_cgns<&CgnsPart::piece_sizes>,
+           .read_piece_ranges = by_cgns<&CgnsPart::read_piece_ranges>,
+           .read_piece_fields = by_cgns<&CgnsPart::read_piece_fields>,
            .in_parts = always,
-           .begin_parts = begin_cgns_parts,
-           .open_part = open_cgns_part},
+           .begin_parts = by_cgns<&CgnsPart::begin_parts>,
+           .open_part = open_cgns},
     Format{".stl", kTriangleRefs, read_surface<read_stl>, write_stl},
     Format{".obj", kEdges | kTriangleRefs | kNames, read_surface<read_obj>, write_obj},
     Format{".off", 0, read_surface<read_off>, write_off},
@@ -414,6 +425,11 @@ fs::path solution_beside(const fs::path& mesh) {
   fs::path solution = mesh;
   solution.replace_extension(mesh.extension() == ".mesh" ? ".sol" : ".solb");
   return solution;
+}
+
+void require_part(const fs::path& path) {
+  const Format* format = find_format(path);
+  if (format && format->load) format->load(path);
 }
 
 bool is_mesh_name(const fs::path& path) { return find_format(path) != nullptr; }

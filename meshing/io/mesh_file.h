@@ -127,6 +127,8 @@ void write_solution(const std::filesystem::path& path, const SolutionData& solut
 /// The solution file that belongs beside a mesh file: OUT.sol for OUT.mesh, else OUT.solb.
 std::filesystem::path solution_beside(const std::filesystem::path& mesh);
 
+/// Throws InputError where files of this name need a part of weft that is missing (see load_part.h).
+void require_part(const std::filesystem::path& path);
 /// Whether the name's extension is that of a mesh format.
 bool is_mesh_name(const std::filesystem::path& path);
 /// Whether the format keeps all points of a mesh, so that fields in a file beside it still fit.

@@ -86,20 +86,26 @@ class Package(unittest.TestCase):
         """As the loader takes it from glibc-hwcaps; level v2, which any machine here has."""
         library = next(self.prefix.rglob("libweft.so.0"))
         copy = library.parent / "glibc-hwcaps" / "x86-64-v2"
-        if not list(library.parent.rglob("libweft_cad.so")):
-            self.skipTest("built without OpenCASCADE")
         copy.mkdir(parents=True)
         try:
             for file in library.parent.glob("libweft.so.0*"):
                 shutil.copy2(file, copy, follow_symlinks=False)
-            (self.folder / "x.step").write_text("no model\n")
-            done = subprocess.run([self.prefix / "bin" / "weft", "mesh", "x.step", "-o", "x.meshb"], cwd=self.folder, capture_output=True,
-                                  text=True, timeout=SECONDS, env=dict(os.environ, LD_DEBUG="files"))
-            loaded = {os.path.realpath(file) for file in re.findall(r"calling init: (.*/libweft\S*)", done.stderr)}
-            self.assertIn(os.path.realpath(copy / "libweft.so.0"), loaded)
-            self.assertIn(os.path.realpath(library.parent / "weft" / "libweft_cad.so"), loaded)
+            for name in ("x.step", "x.cgns"):
+                (self.folder / name).write_text("nothing\n")
+            self.assertEqual(self.loaded_by("mesh", "box", "--cells", "2", "2", "2", "-o", "x.meshb"), {os.path.realpath(copy / "libweft.so.0")})
+            for part, *words in [("libweft_cgns.so", "convert", "x.cgns", "y.meshb"), ("libweft_cairo.so", "view", "x.meshb", "-o", "x.png"),
+                                 ("libweft_cad.so", "mesh", "x.step", "-o", "y.meshb")]:
+                if part == "libweft_cad.so" and not list(library.parent.rglob(part)):
+                    continue  # built without OpenCASCADE
+                self.assertEqual(self.loaded_by(*words), {os.path.realpath(file) for file in (copy / "libweft.so.0", library.parent / "weft" / part)})
         finally:
             shutil.rmtree(copy.parent)
+
+    def loaded_by(self, *words):
+        """Which of weft's own libraries a command loads, as the loader tells it."""
+        done = subprocess.run([self.prefix / "bin" / "weft", *words], cwd=self.folder, capture_output=True, text=True, timeout=SECONDS,
+                              env=dict(os.environ, LD_DEBUG="files"))
+        return {os.path.realpath(file) for file in re.findall(r"calling init: (.*/libweft\S*)", done.stderr)}
 
     def test_one_mesh(self):
         told = run(self.programs / "one_mesh", cwd=self.folder)

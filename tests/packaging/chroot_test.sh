@@ -23,6 +23,7 @@ mapfile -t inside_packages < <(cd "$root" && printf '/%s\n' packages/*.deb)
 inside apt-get install -y -qq --no-install-recommends "${inside_packages[@]}" g++ pkg-config >/dev/null
 inside weft --version | head -1
 inside sh -c 'cd /tmp && weft mesh box --cells 4 4 4 -o box.meshb && weft adapt box.meshb --metric-fn uniform:0.2 -o fine.meshb --quiet && weft verify fine.meshb --quiet'
+inside sh -c 'cd /tmp && weft convert box.meshb box.cgns --quiet && weft view box.cgns -o box.pdf --quiet && test -s box.pdf'
 if [[ -e $root/usr/lib/x86_64-linux-gnu/weft/libweft_cad.so ]]; then
   cp tests/data/models/cylinder.brep "$root/tmp/"
   inside sh -c 'cd /tmp && weft mesh cylinder.brep --size 0.5 -o cylinder.meshb --quiet && weft verify cylinder.meshb --quiet'

@@ -1,5 +1,7 @@
 """Command lines that make no sense, help, and version."""
 
+import os
+import subprocess
 import unittest
 
 from command import WEFT, CommandTest
@@ -27,6 +29,11 @@ class Usage(CommandTest):
                                       "assertions"])
         for name in ["compiler", "MPI", "TBB", "CGAL", "Ceres", "Eigen", "METIS", "HDF5", "CGNS"]:
             self.assertRegex(told[name], r"\d+\.\d+", name)
+
+    def test_what_few_runs_need_is_not_loaded_by_all(self):
+        done = subprocess.run([WEFT], env=dict(os.environ, LD_TRACE_LOADED_OBJECTS="1"), capture_output=True, text=True, timeout=60)
+        self.assertIn("libmpi", done.stdout)
+        self.assertNotRegex(done.stdout, "libcgns|libhdf5|libcairo|libcurl|libX11|libTKernel|libsimgrid")
 
     def test_everything_is_silent_when_quiet(self):
         size = ["--metric-fn", "uniform:0.5"]

@@ -162,7 +162,8 @@ std::vector<Tick> ticks_1_2_5(double lo, double hi) {
 
 std::string histogram_plot(const Measures& m, const PlotText& text, Canvas::Format format) {
   const Theme& theme = light_theme();
-  Canvas canvas(format, kWidth, kHeight, theme.background);
+  const std::unique_ptr<Canvas> sheet = make_canvas(format, kWidth, kHeight, theme.background);
+  Canvas& canvas = *sheet;
   constexpr double kLeft = 130, kRight = 1050, kPlotWidth = 680, kPlotHeight = 385, kUpper = 195,
                    kLower = 810;
   const std::pair unit = {1 / std::numbers::sqrt2, std::numbers::sqrt2};

@@ -122,7 +122,9 @@ std::string mesh_picture(const ColourSource& source, const meshing::RefNames& na
   if (facets.empty()) throw meshing::InputError("", "", "has nothing behind the plane of the cut");
   const Legend legend = colouring.legend(facets, names, options.theme, options.range);
 
-  Canvas canvas(format, options.width, options.height, options.theme.background);
+  const std::unique_ptr<Canvas> sheet =
+      make_canvas(format, options.width, options.height, options.theme.background);
+  Canvas& canvas = *sheet;
   const Layout layout = lay_out(canvas, options, legend);
   const int scale = image_scale(format);
   const Camera camera(options.view, fitted_points(surface, source.mesh, options), scale * layout.width,

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes a wheel of the module as cmake installs it, with libweft.so beside it. Needs no network."""
+"""Makes a wheel of the module as cmake installs it, with libweft.so and its parts beside it. Needs no network."""
 
 import argparse
 import pathlib
@@ -29,6 +29,7 @@ def main():
     parser.add_argument("--where", required=True, help="the folder of the module below a prefix")
     parser.add_argument("--library", type=pathlib.Path, required=True, help="libweft.so")
     parser.add_argument("--soname", required=True, help="the name by which programs look for it")
+    parser.add_argument("--parts", type=pathlib.Path, nargs="+", required=True, help="libraries that it loads by name")
     parser.add_argument("--version", required=True)
     parser.add_argument("--to", type=pathlib.Path, required=True, help="the folder of the wheel")
     options = parser.parse_args()
@@ -39,6 +40,8 @@ def main():
                         str(folder / "prefix")], check=True, stdout=subprocess.DEVNULL)
         shutil.move(folder / "prefix" / options.where / "weft", folder / "weft")
         shutil.copy(options.library, folder / "weft" / options.soname)
+        for part in options.parts:
+            shutil.copy(part, folder / "weft")
         (folder / "setup.py").write_text(SETUP.format(version=options.version))
         done = subprocess.run([sys.executable, "setup.py", "-q", "bdist_wheel", "-d", str(options.to.resolve())],
                               cwd=folder, capture_output=True, text=True)

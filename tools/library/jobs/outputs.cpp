@@ -69,7 +69,10 @@ OutputPaths output_paths(const std::string& mesh) {
   return {mesh, solution.string(), (solution.parent_path() / fields).string()};
 }
 
-void check_writable(const std::string& path) { meshing::AtomicFile probe{path}; }
+void check_writable(const std::string& path) {
+  meshing::require_part(path);
+  meshing::AtomicFile probe{path};
+}
 
 void make_folder(const std::string& path) {
   std::error_code error;

@@ -13,11 +13,9 @@ install(TARGETS weft_library EXPORT weftTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 # Loaded by name, so not among the libraries that programs link. They serve the library's copies for some processors too.
-if(WEFT_HAS_CAD AND NOT WEFT_IS_COPY)
-  install(TARGETS weft_cad LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/weft COMPONENT library)
-endif()
-if(WEFT_HAS_SIMGRID AND NOT WEFT_IS_COPY)
-  install(TARGETS weft_simgrid LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/weft COMPONENT library)
+if(NOT WEFT_IS_COPY)
+  get_property(parts GLOBAL PROPERTY WEFT_PARTS)
+  install(TARGETS ${parts} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/weft COMPONENT library)
 endif()
 install(TARGETS weft RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT command)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/library/include/weft ${PROJECT_SOURCE_DIR}/meshing/include/weft
