@@ -29,8 +29,8 @@ struct DistributedOptions {
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   meshing::AllowedOperations allowed = {};
   double hausd = 0;  ///< meshing::AdaptOptions
-  /// Where few subdomains make a coarse mesh that is divided: so many tets for each, of the input or of that
-  /// mesh. More would be a burden for one rank.
+  /// Where few subdomains make a coarse mesh that is divided: at most so many tets for each, of the input or
+  /// of that mesh. More would be a burden for one rank.
   double tets_of_seed = 1e5;
   int threads = 1;  ///< of this rank
   dataflow::Recording recording = dataflow::Recording::on;

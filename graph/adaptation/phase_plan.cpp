@@ -49,6 +49,14 @@ double coarseness_of_curved(const partition::Distributed& d, std::uint64_t input
   return first;
 }
 
+/// All subdomains wait for the seed that they come from: it makes no more tets than four of them will have,
+/// but so many that its interface is little.
+double tets_of_seed(double complexity, const PlanOptions& options) {
+  constexpr double kSubdomains = 4, kLeast = 1e4;
+  return std::min(options.tets_of_seed,
+                  std::max(kLeast, kSubdomains * tets_of(complexity, 1) / options.subdomains));
+}
+
 }  // namespace
 
 std::uint32_t parts_at_first(const partition::InputMeasures& input, const PlanOptions& options) {
@@ -59,8 +67,10 @@ std::uint32_t parts_at_first(const partition::InputMeasures& input, const PlanOp
   if (all < 2 || options.most_shifts == 0 || coarseness == 1) return all;
   const bool has_few = tets < kFewTets * all, is_far = input.mean_quality < meshing::kFarMean;
   if (!has_few && !is_far) return all;
-  const double parts = std::max(tets, tets_of(input.complexity, coarseness)) / options.tets_of_seed;
-  if (parts > 1 && options.partitioner.kind == partition::Partitioner::Kind::pqr) return all;  // of one mesh
+  const double most = std::max(tets, tets_of(input.complexity, coarseness));
+  if (options.partitioner.kind == partition::Partitioner::Kind::pqr)
+    return most > options.tets_of_seed ? all : 1;  // it divides one mesh
+  const double parts = most / tets_of_seed(input.complexity, options);
   return static_cast<std::uint32_t>(std::clamp(parts, 1.0, static_cast<double>(all)));
 }
 
