@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "meshing/base/release.h"
 #include "partition/communication/reduce.h"
@@ -21,16 +22,25 @@ std::vector<InputHolder> holders_here(std::span<const TetRecord> tets) {
   return result;
 }
 
-/// The tets arrive in the order of their numbers, and keep it within each subdomain.
-std::vector<TetRecord> by_subdomain(const std::vector<TetRecord>& tets) {
+/// The tets arrive in the order of their numbers, rank after rank, and keep it within each subdomain.
+std::vector<TetRecord> by_subdomain(std::vector<std::vector<TetRecord>> arrived) {
   SubdomainId first(std::numeric_limits<std::uint32_t>::max()), last(0);
-  for (const TetRecord& t : tets) first = std::min(first, t.subdomain), last = std::max(last, t.subdomain);
-  if (tets.empty()) return {};
+  std::size_t count = 0;
+  for (const auto& of_rank : arrived) {
+    for (const TetRecord& t : of_rank)
+      first = std::min(first, t.subdomain), last = std::max(last, t.subdomain);
+    count += of_rank.size();
+  }
+  if (count == 0) return {};
   std::vector<std::size_t> next(last.value - first.value + 2, 0);
-  for (const TetRecord& t : tets) ++next[t.subdomain.value - first.value + 1];
+  for (const auto& of_rank : arrived)
+    for (const TetRecord& t : of_rank) ++next[t.subdomain.value - first.value + 1];
   std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<TetRecord> sorted(tets.size());
-  for (const TetRecord& t : tets) sorted[next[t.subdomain.value - first.value]++] = t;
+  std::vector<TetRecord> sorted(count);
+  for (auto& of_rank : arrived) {
+    for (const TetRecord& t : of_rank) sorted[next[t.subdomain.value - first.value]++] = t;
+    meshing::release(of_rank);
+  }
   return sorted;
 }
 
@@ -51,16 +61,19 @@ void send_to_holders(std::span<const InputHolder> holders, std::uint32_t num_sub
 
 std::vector<TetRecord> send_tets_home(Peers& peers, MeshSlice& slice, std::span<const SubdomainId> subdomains,
                                       std::uint32_t num_subdomains) {
+  const auto home = [&](SubdomainId s) {
+    return static_cast<std::size_t>(home_rank(s, num_subdomains, peers.ranks()));
+  };
   std::vector<std::vector<TetRecord>> to_each(static_cast<std::size_t>(peers.ranks()));
-  if (peers.ranks() == 1) to_each[0].reserve(slice.tets.size());
-  for (std::size_t t = 0; t < slice.tets.size(); ++t) {
-    const int rank = home_rank(subdomains[t], num_subdomains, peers.ranks());
-    to_each[static_cast<std::size_t>(rank)].push_back(
+  std::vector<std::size_t> tets_to(to_each.size(), 0);
+  for (const SubdomainId s : subdomains) ++tets_to[home(s)];
+  for (std::size_t r = 0; r < to_each.size(); ++r) to_each[r].reserve(tets_to[r]);
+  for (std::size_t t = 0; t < slice.tets.size(); ++t)
+    to_each[home(subdomains[t])].push_back(
         {slice.first_tet + t, slice.tets[t], slice.tet_refs[t], subdomains[t]});
-  }
   meshing::release(slice.tets);
   meshing::release(slice.tet_refs);
-  return by_subdomain(all_to_all_joined(peers, std::move(to_each)));
+  return by_subdomain(partition::all_to_all(peers, std::move(to_each)));
 }
 
 std::vector<std::uint32_t> vertices_of(std::span<const TetRecord> tets) {
