@@ -262,7 +262,8 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, double c
   options.abandon = &context.stop_flag();
   std::optional<partition::InterfaceSnapshot> interface;
   if (rank.plan.pauses) interface.emplace(subdomain_);
-  options.progress = [&](const std::string&, double done, std::uint64_t) { tell_done(rank, round, done); };
+  if (rank.news)  // to predict its work a mesh is looked at once more
+    options.progress = [&](const std::string&, double done, std::uint64_t) { tell_done(rank, round, done); };
   rank.surface->share(subdomain_.surface);
   const meshing::AdaptReport report =
       partition::adapt_subdomain(subdomain_, rank.geometry->surface, limits, extent, options, before_level);

@@ -10,8 +10,9 @@ namespace weft::meshing {
 /// invalid.
 void renumber_along_curve(TetMesh& mesh);
 
-/// Whether nearly all tets follow each other by their first vertices, and most have vertices with numbers
-/// near each other: what is used together lies together, though a few are elsewhere.
+/// Whether most tets have a vertex of the one before them, and vertices with numbers near each other: what is
+/// used together lies together, though some is elsewhere. In a subdomain that is a stretch of a file of
+/// pieces, say, the interface's vertices come first.
 bool is_in_order(const TetMesh& mesh);
 
 }  // namespace weft::meshing

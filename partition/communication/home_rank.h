@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "partition/communication/peers.h"
@@ -27,10 +27,15 @@ EntityKey<N> sorted_key(EntityKey<N> ids) {
 }
 
 template <std::size_t N>
-int home_rank(const EntityKey<N>& key, int ranks) {
+std::uint64_t hash_of_key(const EntityKey<N>& key) {
   std::uint64_t hash = 0;
   for (const GlobalId id : key) hash = (hash ^ std::hash<GlobalId>{}(id)) * 0xD6E8FEB86659FD93ull;
-  return static_cast<int>((hash >> 32) % static_cast<std::uint64_t>(ranks));
+  return hash;
+}
+
+template <std::size_t N>
+int home_rank(const EntityKey<N>& key, int ranks) {
+  return static_cast<int>((hash_of_key(key) >> 32) % static_cast<std::uint64_t>(ranks));
 }
 
 /// Records on their way to the homes of their keys, and the way back: answers come in the order of the
@@ -75,29 +80,47 @@ struct Holding {
   std::uint64_t subdomain;  ///< 64 bits: no padding in messages
 };
 
+/// The lowest subdomain that has named each of some entities.
+template <std::size_t N>
+class LowestHolders {
+ public:
+  /// For up to `most` records, which stay where they are.
+  explicit LowestHolders(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), nullptr) {}
+
+  /// Returns the place of the entity.
+  std::size_t add(const Holding<N>& holding) {
+    // Keys of one home have something in common in bits 32 and above.
+    std::size_t at = hash_of_key(holding.key) * 0x9E3779B97F4A7C15ull >> shift_;
+    while (slots_[at] && slots_[at]->key != holding.key) at = (at + 1) & (slots_.size() - 1);
+    if (!slots_[at] || holding.subdomain < slots_[at]->subdomain) slots_[at] = &holding;
+    return at;
+  }
+  std::uint64_t subdomain(std::size_t place) const { return slots_[place]->subdomain; }
+
+ private:
+  std::vector<const Holding<N>*> slots_;
+  int shift_ = 64 - std::max(1, std::countr_zero(slots_.size()));
+};
+
 /// All ranks: for each of these entities 1 where no lower subdomain on any rank has named it too, else 0.
 template <std::size_t N>
 std::vector<std::uint8_t> held_by_no_lower(Peers& peers, std::span<const Holding<N>> holdings) {
   Rendezvous<N, Holding<N>> mail(peers.ranks());
   for (const Holding<N>& holding : holdings) mail.add(holding);
   const auto arrived = mail.deliver(peers);
-
-  struct Named {
-    Holding<N> holding;
-    std::size_t rank, index;
-  };
-  std::vector<Named> places;
+  std::size_t count = 0;
+  for (const auto& of_rank : arrived) count += of_rank.size();
+  LowestHolders<N> holders(count);
+  std::vector<std::size_t> places;
+  places.reserve(count);
+  for (const auto& of_rank : arrived)
+    for (const Holding<N>& holding : of_rank) places.push_back(holders.add(holding));
   std::vector<std::vector<std::uint8_t>> lowest(arrived.size());
+  auto place = places.begin();
   for (std::size_t r = 0; r < arrived.size(); ++r) {
-    lowest[r].resize(arrived[r].size());
-    for (std::size_t i = 0; i < arrived[r].size(); ++i) places.push_back({arrived[r][i], r, i});
-  }
-  std::sort(places.begin(), places.end(), [](const Named& a, const Named& b) {
-    return std::tie(a.holding.key, a.holding.subdomain) < std::tie(b.holding.key, b.holding.subdomain);
-  });
-  for (std::size_t p = 0, first = 0; p < places.size(); ++p) {
-    if (places[p].holding.key != places[first].holding.key) first = p;
-    lowest[places[p].rank][places[p].index] = places[p].holding.subdomain == places[first].holding.subdomain;
+    lowest[r].reserve(arrived[r].size());
+    for (const Holding<N>& holding : arrived[r])
+      lowest[r].push_back(holders.subdomain(*place++) == holding.subdomain);
   }
   return mail.answer(peers, lowest);
 }

@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "partition/communication/reduce.h"
@@ -19,42 +20,68 @@ std::uint64_t key_of(double value) {
 }
 double value_of(std::uint64_t key) { return std::bit_cast<double>(key & kSign ? key & ~kSign : ~key); }
 
-/// The keys that may still be the one at `place`, and what is known of it.
-struct Search {
-  std::vector<std::uint64_t> keys;
-  std::uint64_t place, found = 0;
+/// The key at a place, as far as it is known, and this rank's keys that begin like it. They are copied once
+/// they are few: the first byte of values of a kind is the same for nearly all.
+class Search {
+ public:
+  Search(std::span<const double> values, std::uint64_t place) : values_(values), place_(place) {}
+
+  std::uint64_t found() const { return found_; }
+
+  /// How many of this rank's keys have each value of the byte at `shift`: 256 counts.
+  void count(int shift, std::uint64_t* counts) const {
+    for_each_key(shift, [&](std::uint64_t key) { ++counts[key >> shift & 0xFF]; });
+  }
+
+  /// Goes into the byte in which the place is, by the counts of all ranks. `mine`: those of this one.
+  void narrow(int shift, const std::uint64_t* counts, const std::uint64_t* mine) {
+    constexpr std::size_t kFew = 4;  // a quarter of the values
+    std::uint64_t byte = 0;
+    for (; place_ >= counts[byte] && byte < 255; ++byte) place_ -= counts[byte];
+    std::vector<std::uint64_t> keys;
+    const bool copies = are_copied_ || kFew * mine[byte] <= values_.size();
+    if (copies) {
+      keys.reserve(mine[byte]);
+      for_each_key(shift, [&](std::uint64_t key) {
+        if ((key >> shift & 0xFF) == byte) keys.push_back(key);
+      });
+      keys_ = std::move(keys);
+      are_copied_ = true;
+    }
+    found_ |= byte << shift;
+  }
+
+ private:
+  /// Those that begin as what is found, to above the byte at `shift`.
+  template <class F>
+  void for_each_key(int shift, const F& f) const {
+    for (const std::uint64_t key : keys_) f(key);
+    if (are_copied_) return;
+    for (const double value : values_)
+      if (const std::uint64_t key = key_of(value); (key ^ found_) >> shift <= 0xFF) f(key);
+  }
+
+  std::span<const double> values_;
+  std::vector<std::uint64_t> keys_;
+  bool are_copied_ = false;
+  std::uint64_t place_, found_ = 0;
 };
-
-/// How many keys of all ranks have each value of the byte at `shift`: 256 counts for each search.
-std::vector<std::uint64_t> count_bytes(Peers& peers, const std::vector<Search>& searches, int shift) {
-  std::vector<std::uint64_t> counts(256 * searches.size());
-  for (std::size_t s = 0; s < searches.size(); ++s)
-    for (const std::uint64_t key : searches[s].keys) ++counts[256 * s + (key >> shift & 0xFF)];
-  return partition::sum(peers, counts);
-}
-
-void narrow(const std::uint64_t* counts, int shift, Search& search) {
-  std::uint64_t byte = 0;
-  for (; search.place >= counts[byte] && byte < 255; ++byte) search.place -= counts[byte];
-  search.found |= byte << shift;
-  std::erase_if(search.keys, [&](std::uint64_t key) { return (key >> shift & 0xFF) != byte; });
-}
 
 }  // namespace
 
 std::vector<double> select(Peers& peers, std::span<const double> values,
                            std::span<const std::uint64_t> places) {
-  std::vector<std::uint64_t> keys;
-  keys.reserve(values.size());
-  for (const double value : values) keys.push_back(key_of(value));
   std::vector<Search> searches;
-  for (const std::uint64_t place : places) searches.push_back({keys, place});
+  for (const std::uint64_t place : places) searches.emplace_back(values, place);
   for (int shift = 56; shift >= 0; shift -= 8) {
-    const std::vector<std::uint64_t> counts = count_bytes(peers, searches, shift);
-    for (std::size_t s = 0; s < searches.size(); ++s) narrow(counts.data() + 256 * s, shift, searches[s]);
+    std::vector<std::uint64_t> mine(256 * searches.size());
+    for (std::size_t s = 0; s < searches.size(); ++s) searches[s].count(shift, mine.data() + 256 * s);
+    const std::vector<std::uint64_t> counts = partition::sum(peers, mine);
+    for (std::size_t s = 0; s < searches.size(); ++s)
+      searches[s].narrow(shift, counts.data() + 256 * s, mine.data() + 256 * s);
   }
   std::vector<double> found;
-  for (const Search& search : searches) found.push_back(value_of(search.found));
+  for (const Search& search : searches) found.push_back(value_of(search.found()));
   return found;
 }
 

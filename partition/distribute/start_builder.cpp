@@ -95,6 +95,8 @@ void StartBuilder::add_tets(bool compact) {
 void StartBuilder::add_boundary(std::uint32_t t) {
   const auto& tet = start_.tets[t];
   const auto known = [&](int i) { return known_[tet[i]]; };
+  const auto is_known = [&](std::uint32_t v) { return known_[v] != kNone; };
+  if (std::ranges::count_if(tet, is_known) < 2) return;  // as nearly all
   const auto number = [&](int i) { return numbers_[tet[i]]; };
   for (std::uint32_t f = 0; f < 4; ++f) {
     const auto& face = meshing::kTetFaces[f];

@@ -4,16 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <iterator>
+#include <ranges>
 #include <utility>
 #include <vector>
 
-#include "meshing/base/place_in.h"
-#include "meshing/base/sort_unique.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
+#include "partition/communication/vertex_numbers.h"
 #include "partition/output/measure_pieces.h"
 #include "partition/slice/fetched_points.h"
 #include "partition/slice/used_numbers.h"
@@ -25,42 +26,50 @@ using meshing::MeshData;
 using meshing::Point;
 using meshing::Tet;
 
-std::uint32_t place_of(const std::vector<std::uint32_t>& numbers, std::uint32_t number) {
-  return static_cast<std::uint32_t>(meshing::place_in(numbers, number));
-}
-
 /// The vertices of these tets and the slice's own points, ascending: every point of the mesh is somebody's.
 std::vector<std::uint32_t> numbers_here(const MeshSlice& slice) {
-  std::vector<std::uint32_t> numbers = used_numbers(slice.tets);
-  for (std::size_t i = 0; i < slice.points.size(); ++i)
-    numbers.push_back(static_cast<std::uint32_t>(slice.first_point + i));
-  meshing::sort_unique(numbers);
+  const std::vector<std::uint32_t> used = used_numbers(slice.tets);
+  const auto first = static_cast<std::uint32_t>(slice.first_point);
+  const auto own = std::views::iota(first, first + static_cast<std::uint32_t>(slice.points.size()));
+  std::vector<std::uint32_t> numbers;
+  numbers.reserve(used.size() + own.size());
+  std::ranges::set_union(used, own, std::back_inserter(numbers));
   return numbers;
 }
 
-/// All ranks: who else has these points. Whoever has a point in its slice knows who asks for it.
-std::vector<SubdomainStart::Shared> others_of(Peers& peers, const Ranges& points,
+/// All ranks: who else has these points. Whoever has a point in its slice knows who asks for it; most are
+/// asked for by one rank alone.
+std::vector<SubdomainStart::Shared> others_of(Peers& peers, const MeshSlice& slice, const Ranges& points,
                                               const std::vector<std::uint32_t>& numbers) {
-  std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers.ranks()));
-  for (const std::uint32_t number : numbers) to_each[points.rank_of(number)].push_back(number);
-  const auto asked = partition::all_to_all(peers, to_each);
   struct Holder {
     std::uint32_t number, rank;
     auto operator<=>(const Holder&) const = default;
   };
+  const auto asked = sent_to_owners(peers, points, numbers);
+  std::vector<std::uint8_t> users(slice.points.size(), 0);
+  const auto users_of = [&](std::uint32_t number) -> std::uint8_t& {
+    return users[number - slice.first_point];
+  };
+  for (const auto& of_rank : asked)
+    for (const std::uint32_t number : of_rank)
+      if (std::uint8_t& known = users_of(number); known < 2) ++known;
   std::vector<Holder> holders;
-  for (std::uint32_t r = 0; r < asked.size(); ++r)
-    for (const std::uint32_t number : asked[r]) holders.push_back({number, r});
+  const auto for_each_shared = [&](const auto& f) {
+    for (std::uint32_t r = 0; r < asked.size(); ++r)
+      for (const std::uint32_t number : asked[r])
+        if (users_of(number) > 1) f(Holder{number, r});
+  };
+  for_each_shared([&](const Holder& holder) { holders.push_back(holder); });
   std::ranges::sort(holders);
   std::vector<std::vector<Holder>> answers(asked.size());
-  for (std::uint32_t r = 0; r < asked.size(); ++r)
-    for (const std::uint32_t number : asked[r])
-      for (const Holder& holder : std::ranges::equal_range(holders, number, {}, &Holder::number))
-        if (holder.rank != r) answers[r].push_back(holder);
+  for_each_shared([&](const Holder& asking) {
+    for (const Holder& holder : std::ranges::equal_range(holders, asking.number, {}, &Holder::number))
+      if (holder.rank != asking.rank) answers[asking.rank].push_back(holder);
+  });
+  PlacesOfNumbers places(numbers);
   std::vector<SubdomainStart::Shared> shared;
-  for (const auto& of_rank : partition::all_to_all(peers, answers))
-    for (const Holder& holder : of_rank)
-      shared.push_back({place_of(numbers, holder.number), SubdomainId(holder.rank)});
+  for (const auto& of_rank : partition::all_to_all(peers, std::move(answers)))
+    for (const Holder& holder : of_rank) shared.push_back({places(holder.number), SubdomainId(holder.rank)});
   std::ranges::sort(shared);
   return shared;
 }
@@ -77,11 +86,12 @@ MeshPiece piece_of(Peers& peers, const MeshSlice& slice, bool with_metric) {
   if (with_metric)
     piece.log_metrics = fetch<meshing::LogMetric>(peers, points, numbers,
                                                   [&](std::size_t i) { return slice.log_metrics[i]; });
+  piece.ids.reserve(numbers.size());
   for (const std::uint32_t number : numbers) piece.ids.emplace_back(SubdomainId(0), number);
-  piece.shared = others_of(peers, points, numbers);
-  piece.mesh.tets = slice.tets;
-  for (Tet& tet : piece.mesh.tets)
-    for (std::uint32_t& v : tet) v = place_of(numbers, v);
+  piece.shared = others_of(peers, slice, points, numbers);
+  PlacesOfNumbers places(numbers);
+  piece.mesh.tets.reserve(slice.tets.size());
+  for (const Tet& tet : slice.tets) piece.mesh.tets.push_back(places(tet));
   piece.mesh.tet_refs = slice.tet_refs;
   return piece;
 }

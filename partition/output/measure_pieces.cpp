@@ -34,10 +34,12 @@ struct Counts {
 
 /// What is summed of a piece. An entity of both whole and part is summed once, for both.
 struct PieceMeasures {
-  std::vector<Tet> beside, part;  ///< tets of the piece: those of the part apart
-  EdgeLists edges;                ///< of all of them
-  Flags in_part;                  ///< of edges.others, as the next ones: 1 for edges of the part's tets
-  Flags of_whole, of_part;        ///< 1 where no lower subdomain measures the edge too
+  std::span<const Tet> beside, part;  ///< tets of the piece: those of the part apart
+  std::vector<Tet> apart;             ///< these, where the part has any
+  EdgeLists edges;                    ///< of all of them
+  /// Of edges.others, as the next ones: 1 for edges of the part's tets. Empty where it has none here.
+  Flags in_part;
+  Flags of_whole, of_part;  ///< 1 where no lower subdomain measures the edge too
   Counts whole_counts, part_counts;
 };
 
@@ -51,9 +53,24 @@ bool any_flag(std::span<const std::uint32_t> vertices, const Flags& flags) {
   return std::ranges::any_of(vertices, [&](std::uint32_t v) { return flags[v] != 0; });
 }
 
+/// Those of the part behind the others; nothing is copied where it has none.
+void divide_tets(const std::vector<Tet>& tets, const Flags& flags, PieceMeasures& piece) {
+  const auto in_part = [&](const Tet& tet) { return any_flag(tet, flags); };
+  piece.beside = tets;
+  if (std::ranges::none_of(flags, [](std::uint8_t flag) { return flag != 0; })) return;
+  piece.apart.resize(tets.size());
+  const auto end_of_beside =
+      std::ranges::copy_if(tets, piece.apart.begin(), [&](const Tet& tet) { return !in_part(tet); }).out;
+  std::ranges::copy_if(tets, end_of_beside, in_part);
+  const auto beside = static_cast<std::size_t>(end_of_beside - piece.apart.begin());
+  piece.beside = std::span(piece.apart).first(beside);
+  piece.part = std::span(piece.apart).subspan(beside);
+}
+
 /// Marks the edges of the part's tets: all that have a flagged end, and what lies opposite.
 void find_edges_of_part(const Flags& flags, PieceMeasures& piece) {
   const EdgeLists& edges = piece.edges;
+  if (piece.part.empty()) return;
   piece.in_part.assign(edges.others.size(), 0);
   for (std::size_t v = 0; v < flags.size(); ++v)
     for (std::size_t e = edges.begins[v]; e < edges.begins[v + 1]; ++e)
@@ -104,14 +121,15 @@ void divide_edges(Peers& peers, std::span<const MeshPiece> mine, const VertexFla
         if (!shared[w]) continue;
         const EntityKey<2> ends{mine[p].ids[v], mine[p].ids[w]};
         of_whole.add(ends, mine[p], piece.of_whole[e]);
-        if (piece.in_part[e] && !(flags[p][v] | flags[p][w])) of_part.add(ends, mine[p], piece.of_part[e]);
+        if (!piece.part.empty() && piece.in_part[e] && !(flags[p][v] | flags[p][w]))
+          of_part.add(ends, mine[p], piece.of_part[e]);
       }
     }
   }
   of_whole.decide(peers);
   of_part.decide(peers);
   for (std::size_t p = 0; p < mine.size(); ++p)
-    for (std::size_t v = 0; v < flags[p].size(); ++v)
+    for (std::size_t v = 0; v < flags[p].size() && !pieces[p].part.empty(); ++v)
       for (std::size_t e = pieces[p].edges.begins[v]; e < pieces[p].edges.begins[v + 1]; ++e)
         if (flags[p][v] | flags[p][pieces[p].edges.others[e]]) pieces[p].of_part[e] = pieces[p].of_whole[e];
 }
@@ -145,7 +163,7 @@ std::vector<PieceMeasures> look_at(Peers& peers, std::span<const MeshPiece> mine
   for (std::size_t p = 0; p < mine.size(); ++p) {
     const meshing::MeshData& mesh = mine[p].mesh;
     PieceMeasures& piece = pieces[p];
-    for (const Tet& tet : mesh.tets) (any_flag(tet, flags[p]) ? piece.part : piece.beside).push_back(tet);
+    divide_tets(mesh.tets, flags[p], piece);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       if (!shares[p].triangles[t]) continue;
       ++piece.whole_counts.triangles;
@@ -183,7 +201,7 @@ struct BothSums {
   Sums whole, part;
 };
 
-/// The edges that a function of both flags picks, of the whole and of the part.
+/// The edges that a function of both flags picks, of the whole and of the part, which has some.
 template <class Pick>
 Flags picked(const PieceMeasures& piece, const Pick& pick) {
   Flags flags(piece.of_whole.size());
@@ -199,6 +217,11 @@ void add_piece(const MeshPiece& piece, const PieceMeasures& look, BothSums& sums
   std::vector<double> qualities;
   TetTotals tets = sum_tets(look.beside, points, qualities);
   add_qualities(qualities, sums.whole.qualities);
+  if (look.part.empty()) {
+    sums.whole.add(piece.subdomain, tets, sum_edges(look.edges, look.of_whole, points), look.whole_counts);
+    sums.part.add(piece.subdomain, {}, {}, look.part_counts);
+    return;
+  }
   const TetTotals tets_of_part = sum_tets(look.part, points, qualities);
   add_qualities(qualities, sums.whole.qualities);
   add_qualities(qualities, sums.part.qualities);

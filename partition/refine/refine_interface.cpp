@@ -340,6 +340,22 @@ class Level {
   std::vector<std::array<TetFace, 2>> taken_apart_;  ///< faces of the mesh: cut_long_fan()
 };
 
+/// Whether an edge of the interface's faces may be longer: what rounding might decide is.
+bool may_have_longer_edge(const Subdomain& s, const Geometry& geometry, double longest) {
+  constexpr double kSurely = 1 - 1e-9;  // a length lies between those by the metrics of both ends
+  const double most = kSurely * longest * longest;
+  const TetMesh& mesh = *s.mesh;
+  bool may_have = false;
+  for_each_interface_face(s, geometry, [&](const std::array<VertexId, 3>& v) {
+    for (std::size_t i = 0; i < 3 && !may_have; ++i) {
+      const VertexId a = v[i], b = v[(i + 1) % 3];
+      const Vec d = mesh.point(b) - mesh.point(a);
+      may_have = !(squared_length(mesh.metric(a), d) <= most && squared_length(mesh.metric(b), d) <= most);
+    }
+  });
+  return may_have;
+}
+
 }  // namespace
 
 bool is_delicate(const std::array<Point, 4>& p) {
@@ -359,6 +375,7 @@ InterfaceRefinement::InterfaceRefinement(Subdomain& s, const Geometry& geometry)
     : subdomain_(s), geometry_(geometry), vertices_(s.interface, s.phase) {}
 
 void InterfaceRefinement::refine(double longest, meshing::MetricMean mean) {
+  if (!may_have_longer_edge(subdomain_, geometry_, longest)) return;  // as where a mesh is adapted again
   Level(subdomain_, geometry_, vertices_, longest, mean).run();
 }
 

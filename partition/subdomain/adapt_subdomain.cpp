@@ -45,6 +45,7 @@ std::vector<std::uint8_t> frozen_at_fault(const meshing::TetMesh& mesh, const me
     const meshing::TetVertices v = mesh.vertices(TetId(i));
     if (mesh.quality(TetId(i)) < static_cast<float>(meshing::kFair))
       for (const VertexId x : v) at_fault[x.value] = 1;
+    if (mesh.frozen(v[0]) + mesh.frozen(v[1]) + mesh.frozen(v[2]) + mesh.frozen(v[3]) < 2) continue;
     for (const auto& e : meshing::kTetEdges) {
       const VertexId a = v[e[0]], b = v[e[1]];
       if (!mesh.frozen(a) || !mesh.frozen(b)) continue;

@@ -330,12 +330,8 @@ inline void jitter_interior(MeshData& mesh, double amplitude, unsigned seed = 1)
     if (!fixed[v]) mesh.points[v] += Point{shift(random), shift(random), shift(random)};
 }
 
-/// Renames the vertices and reorders the tets at random: the same mesh without any order to rely on.
-inline void shuffle(MeshData& mesh, unsigned seed = 1) {
-  std::mt19937 random(seed);
-  std::vector<std::uint32_t> old_to_new(mesh.points.size());
-  for (std::uint32_t v = 0; v < old_to_new.size(); ++v) old_to_new[v] = v;
-  std::shuffle(old_to_new.begin(), old_to_new.end(), random);
+/// Point v of `mesh` becomes point old_to_new[v].
+inline void renumber_points(MeshData& mesh, const std::vector<std::uint32_t>& old_to_new) {
   const auto points = mesh.points;
   const auto refs = mesh.point_refs;
   for (std::size_t v = 0; v < points.size(); ++v) {
@@ -349,6 +345,15 @@ inline void shuffle(MeshData& mesh, unsigned seed = 1) {
   rename(mesh.tets), rename(mesh.triangles), rename(mesh.edges);
   for (std::uint32_t& v : mesh.corners) v = old_to_new[v];
   for (std::uint32_t& v : mesh.required_points) v = old_to_new[v];
+}
+
+/// Renames the vertices and reorders the tets at random: the same mesh without any order to rely on.
+inline void shuffle(MeshData& mesh, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::vector<std::uint32_t> old_to_new(mesh.points.size());
+  for (std::uint32_t v = 0; v < old_to_new.size(); ++v) old_to_new[v] = v;
+  std::shuffle(old_to_new.begin(), old_to_new.end(), random);
+  renumber_points(mesh, old_to_new);
   std::vector<std::size_t> order(mesh.tets.size());
   for (std::size_t t = 0; t < order.size(); ++t) order[t] = t;
   std::shuffle(order.begin(), order.end(), random);

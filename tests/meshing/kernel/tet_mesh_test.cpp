@@ -268,6 +268,23 @@ TEST(Renumber, LeavesAMeshInOrder) {
   EXPECT_TRUE(is_in_order(rig.mesh));
 }
 
+/// As a subdomain's that is a stretch of a file of pieces: vertices of the interface are numbered in others'.
+TEST(Renumber, LeavesAMeshThatHasItsBoundaryFirst) {
+  KernelRig rig(support::unit_cube(10), 0.05);
+  renumber_along_curve(rig.mesh);
+  MeshData input = rig.export_data();
+  std::vector<std::uint32_t> old_to_new(input.points.size());
+  std::uint32_t next = 0;
+  for (const bool first : {true, false})
+    for (std::size_t v = 0; v < input.points.size(); ++v) {
+      const Point& p = input.points[v];
+      const bool inside = std::min({p.x, p.y, p.z}) > 0 && std::max({p.x, p.y, p.z}) < 1;
+      if (inside != first) old_to_new[v] = next++;
+    }
+  support::renumber_points(input, old_to_new);
+  EXPECT_TRUE(is_in_order(KernelRig(input, 0.05).mesh));
+}
+
 TEST(Renumber, PutsNearVerticesNearEachOther) {
   MeshData input = support::unit_cube(8);
   support::shuffle(input);

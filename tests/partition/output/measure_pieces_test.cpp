@@ -162,5 +162,26 @@ TEST(Select, FindsEveryPlaceOfValuesOnManyRanks) {
   }
 }
 
+TEST(Select, FindsPlacesAmongValuesThatBeginAlike) {
+  std::mt19937 random(3);
+  for (const double share_alike : {0.0, 0.3, 0.95}) {
+    std::uniform_real_distribution<double> share(0, 1);
+    std::vector<double> values;
+    for (int i = 0; i < 2000; ++i)
+      values.push_back(share(random) < share_alike ? 0.75 : 0.5 + share(random) / 2);
+    std::vector<double> sorted = values;
+    std::sort(sorted.begin(), sorted.end());
+    const std::vector<std::uint64_t> places = {0, 1, 19, 300, 1999};
+    std::vector<double> expected;
+    for (const std::uint64_t place : places) expected.push_back(sorted[place]);
+    run_on_ranks(3, [&](Peers& peers) {
+      const auto begin = values.begin() + 400 * peers.rank() * peers.rank();  // the first has few
+      const auto end =
+          peers.rank() == 2 ? values.end() : values.begin() + 400 * (peers.rank() + 1) * (peers.rank() + 1);
+      EXPECT_EQ(select(peers, std::vector(begin, end), places), expected);
+    });
+  }
+}
+
 }  // namespace
 }  // namespace weft::partition::measure_pieces_test
