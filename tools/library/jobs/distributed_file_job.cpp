@@ -140,7 +140,7 @@ class DistributedFileJob {
                              input.slice.num_edges};
     account_.times.read = watch_.lap();
     measure_before(input);
-    account_.times.measure = watch_.lap();
+    account_.times.measure = account_.times.measure_input = watch_.lap();
     return input;
   }
 
