@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <tuple>
 #include <vector>
 
+#include "meshing/base/parallel.h"
 #include "partition/communication/peers.h"
 #include "partition/subdomain/global_id.h"
 
@@ -27,10 +27,15 @@ EntityKey<N> sorted_key(EntityKey<N> ids) {
 }
 
 template <std::size_t N>
-int home_rank(const EntityKey<N>& key, int ranks) {
+std::uint64_t hash_of(const EntityKey<N>& key) {
   std::uint64_t hash = 0;
   for (const GlobalId id : key) hash = (hash ^ std::hash<GlobalId>{}(id)) * 0xD6E8FEB86659FD93ull;
-  return static_cast<int>((hash >> 32) % static_cast<std::uint64_t>(ranks));
+  return hash;
+}
+
+template <std::size_t N>
+int home_rank(const EntityKey<N>& key, int ranks) {
+  return static_cast<int>((hash_of<N>(key) >> 32) % static_cast<std::uint64_t>(ranks));
 }
 
 /// Records on their way to the homes of their keys, and the way back: answers come in the order of the
@@ -68,6 +73,43 @@ class Rendezvous {
   std::vector<std::vector<Record>> outgoing_;
 };
 
+/// Where a record has arrived: arrived[rank][index].
+struct Arrival {
+  std::size_t rank, index;
+};
+
+/// Calls visit(span of Arrival) for the records of each key, in no order, several at a time (TBB, in the
+/// caller's arena).
+template <std::size_t N, class Record, class Visit>
+void for_each_key(const std::vector<std::vector<Record>>& arrived, const Visit& visit) {
+  constexpr std::size_t kBuckets = 64;
+  struct Keyed {
+    EntityKey<N> key;
+    Arrival at;
+  };
+  const auto bucket_of = [](const Record& record) { return hash_of<N>(record.key) >> 20 & (kBuckets - 1); };
+  std::array<std::size_t, kBuckets + 1> begins{};
+  for (const auto& of_rank : arrived)
+    for (const Record& record : of_rank) ++begins[bucket_of(record) + 1];
+  for (std::size_t b = 0; b < kBuckets; ++b) begins[b + 1] += begins[b];
+  std::vector<Keyed> places(begins[kBuckets]);
+  auto next = begins;
+  for (std::size_t r = 0; r < arrived.size(); ++r)
+    for (std::size_t i = 0; i < arrived[r].size(); ++i)
+      places[next[bucket_of(arrived[r][i])]++] = {arrived[r][i].key, {r, i}};
+  meshing::for_each_large(kBuckets, [&](std::size_t b) {
+    const std::span<Keyed> bucket = std::span(places).subspan(begins[b], begins[b + 1] - begins[b]);
+    std::ranges::sort(bucket, {}, &Keyed::key);
+    std::vector<Arrival> group;
+    for (std::size_t p = 0; p < bucket.size();) {
+      group.clear();
+      const std::size_t first = p;
+      for (; p < bucket.size() && bucket[p].key == bucket[first].key; ++p) group.push_back(bucket[p].at);
+      visit(std::span<const Arrival>(group));
+    }
+  });
+}
+
 /// An entity that a subdomain has and others may have too.
 template <std::size_t N>
 struct Holding {
@@ -82,23 +124,13 @@ std::vector<std::uint8_t> held_by_no_lower(Peers& peers, std::span<const Holding
   for (const Holding<N>& holding : holdings) mail.add(holding);
   const auto arrived = mail.deliver(peers);
 
-  struct Named {
-    Holding<N> holding;
-    std::size_t rank, index;
-  };
-  std::vector<Named> places;
   std::vector<std::vector<std::uint8_t>> lowest(arrived.size());
-  for (std::size_t r = 0; r < arrived.size(); ++r) {
-    lowest[r].resize(arrived[r].size());
-    for (std::size_t i = 0; i < arrived[r].size(); ++i) places.push_back({arrived[r][i], r, i});
-  }
-  std::sort(places.begin(), places.end(), [](const Named& a, const Named& b) {
-    return std::tie(a.holding.key, a.holding.subdomain) < std::tie(b.holding.key, b.holding.subdomain);
+  for (std::size_t r = 0; r < arrived.size(); ++r) lowest[r].resize(arrived[r].size());
+  for_each_key<N>(arrived, [&](std::span<const Arrival> named) {
+    const auto subdomain = [&](const Arrival& at) { return arrived[at.rank][at.index].subdomain; };
+    const std::uint64_t least = subdomain(*std::ranges::min_element(named, {}, subdomain));
+    for (const Arrival& at : named) lowest[at.rank][at.index] = subdomain(at) == least;
   });
-  for (std::size_t p = 0, first = 0; p < places.size(); ++p) {
-    if (places[p].holding.key != places[first].holding.key) first = p;
-    lowest[places[p].rank][places[p].index] = places[p].holding.subdomain == places[first].holding.subdomain;
-  }
   return mail.answer(peers, lowest);
 }
 
