@@ -446,6 +446,19 @@ TEST(GraphPartition, GroupsAreEnoughForManyRanks) {
   EXPECT_GT(of_few_subdomains, of_one_graph / 5);  // 16 subdomains a group are not halved
 }
 
+TEST(GraphPartition, ManySubdomainsOfOneGraphAreDealtToSeveralRanks) {
+  const GroupedCase c;
+  constexpr std::uint32_t many = 2 * c.n;
+  const std::size_t all = c.w.work.size();
+  std::size_t of_few = 0, of_many = 0;
+  const double area = interface_area(c.w, graph_parts(8, c.w, c.n, all, &of_few));
+  const auto expected = graph_parts(8, c.w, many, all, &of_many);
+  EXPECT_LT(of_many, 0.6 * static_cast<double>(of_few));
+  EXPECT_LT(interface_area(c.w, expected), 1.3 * area);  // the cube root of 2, and the plane
+  for (const double load : loads(c.w, expected, many)) EXPECT_NEAR(load, 96, 5);
+  EXPECT_EQ(graph_parts(3, c.w, many, all), expected);
+}
+
 TEST(DualGraph, JoinsTetsAtTheFaceTheyShare) {
   // Two tets at face 1 2 3, a third one at face 0 1 2 of the first, a fourth alone.
   const std::vector<DualVertex> tets{{0, 1, {0, 1, 2, 3}, {0.8F, 0, 0, 0}},
