@@ -17,7 +17,8 @@ class Recordings:
         self.weft, self.folder = pathlib.Path(options.weft).resolve(), pathlib.Path(options.out).resolve()
         self.processor_times = ["--processor-times"] if options.times == "processor" else []
         self.start, self.complexity = options.start, options.complexity
-        self.metric = ["--metric", pathlib.Path(self.start[1]).resolve()] if self.start else ["--metric-fn", "polar-2"]
+        self.metric_file = pathlib.Path(self.start[1]).resolve() if self.start else None
+        self.metric = ["--metric", self.metric_file] if self.start else ["--metric-fn", "polar-2"]
         self.case = pathlib.Path(self.start[0]).resolve().parent.name if self.start else "Cube, polar-2"
         self.folder.mkdir(parents=True, exist_ok=True)
         self.begin = time.monotonic()
@@ -38,9 +39,11 @@ class Recordings:
         return [str(self.weft), *map(str, words)]
 
     def run(self, words, allowed=(0,)):
+        """What the program prints."""
         done = subprocess.run(list(map(str, words)), capture_output=True, text=True, cwd=self.folder)
         if done.returncode not in allowed:
             sys.exit(f"{' '.join(map(str, words))} has ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+        return done.stdout
 
     def start_mesh(self, complexity):
         """That given, or a mesh that has been adapted to a tenth before, as in the paper's cases."""

@@ -4,9 +4,8 @@
 Records one run on one core (--complexity in --subdomains), makes of it the graph of a mesh of --copies times the size
 with --grow times the tets in each subdomain, and replays that on --cores, as ranks of --threads, with the networks of a
 common cluster and a slow one: once in its own decomposition and, where that has fewer than --a-core subdomains a core,
-in a finer one. What the whole command takes beyond the loop comes from the same command on simulated ranks
-(--simulate), at a small size: of the seconds at one rank the part of a core, and of what is beyond that all. Writes
-scaling.md and SVG plots to --out."""
+in a finer one. What the whole command takes beside the loop is predicted from runs on simulated ranks, up to --whole
+of them (whole_command.py says how). Writes scaling.md and SVG plots to --out."""
 
 import argparse
 import itertools
@@ -15,6 +14,7 @@ import sys
 
 from paper import PUBLISHED_EFFICIENCY, plot
 from recordings import Recording, Recordings
+from whole_command import WholeCommand
 
 NETWORKS = {"2 us, 10 GB/s": "2us,10GB/s", "50 us, 1 GB/s": "50us,1GB/s"}
 
@@ -32,9 +32,16 @@ def machines(options, cores):
     return [(cores // threads, threads) for threads in options.threads if cores % threads == 0]
 
 
-def strong(book, options, beyond):
+def add_command(row, whole, one_core, network):
+    """Predicted seconds and efficiency of the whole command."""
+    row["parts"] = whole.seconds(row["ranks"], row["threads"], row["subdomains"], network)
+    row["beside"] = sum(row["parts"].values())
+    row["command"] = (one_core + row["reference"]) / (row["cores"] * (row["seconds"] + row["beside"]))
+
+
+def strong(book, options, whole):
     rows = []
-    reference = None
+    reference = one_core = None
     for words, network in NETWORKS.items():
         for cores in options.cores:
             for split, (ranks, threads) in itertools.product(splits_for(options, cores), machines(options, cores)):
@@ -43,12 +50,10 @@ def strong(book, options, beyond):
                 reference = reference or replay["work_seconds"]  # of one core, in the decomposition that is asked for
                 row = {**replay, "network": words, "cores": cores, "threads": threads, "split": split, "reference": reference}
                 row["loop"] = reference / (cores * replay["seconds"])
-                if cores in beyond:
-                    of_all, own = beyond[cores]
-                    start_and_end = of_all * options.copies * options.grow * options.complexity / options.small / cores + own
-                    whole = beyond[1][0] * options.copies * options.grow * options.complexity / options.small + reference
-                    row["start_and_end"] = start_and_end
-                    row["command"] = whole / (cores * (replay["seconds"] + start_and_end))
+                row["ranks"] = ranks
+                if ranks <= options.whole:
+                    one_core = one_core or sum(whole.seconds(1, 1, replay["subdomains"], network).values())
+                    add_command(row, whole, one_core, network)
                 rows.append(row)
                 book.say(f"strong, {words}, {ranks} x {threads} cores, {replay['subdomains']} subdomains: {replay['seconds']:.4g} s, "
                          f"{100 * row['loop']:.1f} %")
@@ -70,18 +75,6 @@ def weak(book, options):
     return rows
 
 
-def beyond_the_loop(book, options):
-    """cores -> (seconds that all ranks share, seconds of each that they do not), on simulated ranks."""
-    beyond, at_one = {}, None
-    for ranks in sorted({1, *options.simulate}):
-        run = book.record(f"simulated-{ranks}", max(options.a_core * max(options.simulate), 8), "--simulate-ranks", ranks, "--force", complexity=options.small)
-        seconds = sum(run.times[part] for part in ("read", "metric", "measure", "fields", "write"))  # without the report
-        at_one = seconds if at_one is None else at_one
-        beyond[ranks] = (at_one, max(0.0, seconds - at_one / ranks))
-        book.say(f"simulated, {ranks} ranks: {seconds:.3g} s beside the loop")
-    return beyond
-
-
 def limit_of(row):
     """What the loop waits for."""
     ideal = row["work_seconds"] / row["cores"]
@@ -95,10 +88,10 @@ def text_of(book, strong_rows, weak_rows, options):
     tets = 12e-6 * options.complexity * options.copies * options.grow
     out = [f"# Scaling, simulated\n\n{book.case}, recorded at complexity {options.complexity} in {options.subdomains} subdomains ({options.times} times), "
            f"then {options.copies} copies of {options.grow:g} times the tets a subdomain: about {tets:.3g} M tets. Balancer {options.balancer}.\n",
-           "| network | cores | threads a rank | subdomains | loop s | efficiency | critical path s | largest subdomain s | moved | packets | end found after s | limit | start and end s | command |",
+           "| network | cores | threads a rank | subdomains | loop s | efficiency | critical path s | largest subdomain s | moved | packets | end found after s | limit | start, end, disk s | command |",
            "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
     for r in strong_rows:
-        command = (f"{r['start_and_end']:.3g}", f"{100 * r['command']:.1f} %") if "command" in r else ("", "")
+        command = (", ".join(f"{s:.3g}" for s in r["parts"].values()), f"{100 * r['command']:.1f} %") if "command" in r else ("", "")
         out.append(f"| {r['network']} | {r['cores']} | {r['threads']} | {r['subdomains']} | {r['seconds']:.4g} | {100 * r['loop']:.1f} % | {r['critical_path_seconds']:.3g} | "
                    f"{r['largest_subdomain_seconds']:.3g} | {r['migrations']['messages']} | {r['packets']['packets']} | {max(0, r['run_seconds'] - r['seconds']):.2g} | "
                    f"{limit_of(r)} | {command[0]} | {command[1]} |")
@@ -120,7 +113,7 @@ def plots(book, strong_rows, weak_rows, options):
         curves[f"weft, loop, simulated, {words}"] = ([(r["cores"], r["loop"]) for r in mine], True, True)
         whole = [(r["cores"], r["command"]) for r in mine if "command" in r]
         if whole:
-            curves[f"weft, command, simulated, {words}"] = (whole, True, True)
+            curves[f"weft, command, predicted, {words}"] = (whole, True, True)
     for name, points in PUBLISHED_EFFICIENCY.items():
         curves[name] = (sorted(points.items()), False, True)
     (book.folder / "strong.svg").write_text(plot("Efficiency against one core", "cores", "efficiency", curves, log_x=True))
@@ -139,17 +132,18 @@ def main():
     parser.add_argument("--cores", nargs="+", type=int, default=[16, 64, 256, 512, 1024, 4096])
     parser.add_argument("--threads", nargs="+", type=int, default=[1, 8], help="of a rank (default 1 8)")
     parser.add_argument("--weak", nargs="*", type=int, default=[16, 64, 256, 1024])
-    parser.add_argument("--simulate", nargs="*", type=int, default=[16, 64, 256], help="ranks of the whole command (default 16 64 256)")
-    parser.add_argument("--small", type=int, default=5000, help="complexity of the whole command (default 5000)")
-    parser.add_argument("--reuse", action="store_true", help="the recording that is in --out already")
+    parser.add_argument("--whole", type=int, default=512, help="predict the whole command on up to so many ranks (default 512; 0: the loop alone)")
+    parser.add_argument("--end-ranks", type=int, default=6, help="of its end (default 6)")
+    parser.add_argument("--disk", type=float, default=10e9, help="bytes a second that all ranks together read or write (default 10e9)")
+    parser.add_argument("--reuse", action="store_true", help="the recording, and runs of the whole command, that are in --out already")
     parser.add_argument("--balancer", default="stealing")
     options = parser.parse_args()
     book = Recordings(options)
     kept = book.folder / "recorded"
     recording = Recording(kept, bool(book.processor_times)) if options.reuse else book.record("recorded", options.subdomains)
     book.say(f"recorded: {recording.tasks} tasks, {recording.work:.3g} s of work")
-    beyond = beyond_the_loop(book, options) if options.simulate else {}
-    strong_rows, weak_rows = strong(book, options, beyond), weak(book, options)
+    whole = WholeCommand(book, options, options.subdomains * max(splits_for(options, 512))) if options.whole else None
+    strong_rows, weak_rows = strong(book, options, whole), weak(book, options)
     text = text_of(book, strong_rows, weak_rows, options)
     (book.folder / "scaling.md").write_text(text)
     (book.folder / "scaling.json").write_text(json.dumps({"strong": strong_rows, "weak": weak_rows}, indent=1, default=str))

@@ -12,6 +12,7 @@
 #include "graph/adaptation/phase_plan.h"
 #include "graph/adaptation/resume.h"
 #include "meshing/base/error.h"
+#include "meshing/base/parallel.h"
 #include "meshing/metric/expectations.h"
 #include "meshing/operators/surface_fit.h"
 #include "partition/communication/agreement.h"
@@ -228,25 +229,36 @@ void account_on_model(engine::Runtime& runtime, EnginePeers& peers, const meshin
   });
 }
 
+/// Of each vertex, in the order of the piece.
+std::vector<std::uint8_t> was_interface(const meshing::TetMesh& mesh) {
+  std::vector<std::uint8_t> was;
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+    if (const meshing::VertexId v(i); mesh.alive(v))
+      was.push_back(mesh.frozen(v) || mesh.flags(v) & partition::kWasInterface);
+  return was;
+}
+
 void take_pieces(engine::Runtime& runtime, EnginePeers& peers, const partition::Geometry& geometry,
                  DistributedResult& result) {
+  std::vector<Subdomain*> subdomains;
   dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
-    Subdomain& s = task.subdomain();
-    const auto order = result.cut_by_runs ? partition::PieceOrder::kept_if_good : partition::PieceOrder::anew;
-    result.pieces.push_back(make_piece(s, geometry.surface, geometry.patch_required, order));
-    std::vector<std::uint8_t> was;
-    was.reserve(result.pieces.back().ids.size());
-    for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i)
-      if (const meshing::VertexId v(i); s.mesh->alive(v))
-        was.push_back(s.mesh->frozen(v) || s.mesh->flags(v) & partition::kWasInterface);
-    result.was_interface.push_back(std::move(was));
+    subdomains.push_back(&task.subdomain());
     result.shifts.push_back(task.shifts());
     result.counts += task.counts();
-    result.surface_deviation =
-        std::max(result.surface_deviation,
-                 meshing::largest_surface_deviation(*s.mesh, geometry.surface.part(s.surface)));
+  });
+  result.pieces.resize(subdomains.size());
+  result.was_interface.resize(subdomains.size());
+  std::vector<double> deviations(subdomains.size());
+  const auto order = result.cut_by_runs ? partition::PieceOrder::kept_if_good : partition::PieceOrder::anew;
+  meshing::for_each_large(subdomains.size(), [&](std::size_t p) {
+    Subdomain& s = *subdomains[p];
+    result.pieces[p] = make_piece(s, geometry.surface, geometry.patch_required, order);
+    result.was_interface[p] = was_interface(*s.mesh);
+    deviations[p] = meshing::largest_surface_deviation(*s.mesh, geometry.surface.part(s.surface));
     if (!geometry.surface.model()) s = {};
   });
+  for (const double deviation : deviations)
+    result.surface_deviation = std::max(result.surface_deviation, deviation);
   if (!geometry.surface.model()) return;
   account_on_model(runtime, peers, geometry.surface, result);
   dataflow::visit<SubdomainTask>(runtime,

@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -27,6 +28,19 @@ void for_each_index_with(std::size_t n, const Visit& visit) {
                       Scratch scratch;
                       for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i, scratch);
                     });
+}
+
+/// The same where each visit is much work: a task each. A thread that waits within one begins no other, so no
+/// more of them are under way than there are threads.
+template <class Visit>
+void for_each_large(std::size_t n, const Visit& visit) {
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, n, 1),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+          tbb::this_task_arena::isolate([&] { visit(i); });
+      },
+      tbb::simple_partitioner());
 }
 
 /// The first index in [0, n) where is_bad, or n.

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
 
+#include "meshing/base/parallel.h"
 #include "partition/communication/peers.h"
 #include "partition/subdomain/global_id.h"
 
@@ -27,7 +27,7 @@ EntityKey<N> sorted_key(EntityKey<N> ids) {
 }
 
 template <std::size_t N>
-std::uint64_t hash_of_key(const EntityKey<N>& key) {
+std::uint64_t hash_of(const EntityKey<N>& key) {
   std::uint64_t hash = 0;
   for (const GlobalId id : key) hash = (hash ^ std::hash<GlobalId>{}(id)) * 0xD6E8FEB86659FD93ull;
   return hash;
@@ -35,7 +35,7 @@ std::uint64_t hash_of_key(const EntityKey<N>& key) {
 
 template <std::size_t N>
 int home_rank(const EntityKey<N>& key, int ranks) {
-  return static_cast<int>((hash_of_key(key) >> 32) % static_cast<std::uint64_t>(ranks));
+  return static_cast<int>((hash_of<N>(key) >> 32) % static_cast<std::uint64_t>(ranks));
 }
 
 /// Records on their way to the homes of their keys, and the way back: answers come in the order of the
@@ -73,33 +73,48 @@ class Rendezvous {
   std::vector<std::vector<Record>> outgoing_;
 };
 
+/// Where a record has arrived: arrived[rank][index].
+struct Arrival {
+  std::size_t rank, index;
+};
+
+/// Calls visit(span of Arrival) for the records of each key, in no order, several at a time (TBB, in the
+/// caller's arena).
+template <std::size_t N, class Record, class Visit>
+void for_each_key(const std::vector<std::vector<Record>>& arrived, const Visit& visit) {
+  constexpr std::size_t kBuckets = 64;
+  struct Keyed {
+    EntityKey<N> key;
+    Arrival at;
+  };
+  const auto bucket_of = [](const Record& record) { return hash_of<N>(record.key) >> 20 & (kBuckets - 1); };
+  std::array<std::size_t, kBuckets + 1> begins{};
+  for (const auto& of_rank : arrived)
+    for (const Record& record : of_rank) ++begins[bucket_of(record) + 1];
+  for (std::size_t b = 0; b < kBuckets; ++b) begins[b + 1] += begins[b];
+  std::vector<Keyed> places(begins[kBuckets]);
+  auto next = begins;
+  for (std::size_t r = 0; r < arrived.size(); ++r)
+    for (std::size_t i = 0; i < arrived[r].size(); ++i)
+      places[next[bucket_of(arrived[r][i])]++] = {arrived[r][i].key, {r, i}};
+  meshing::for_each_large(kBuckets, [&](std::size_t b) {
+    const std::span<Keyed> bucket = std::span(places).subspan(begins[b], begins[b + 1] - begins[b]);
+    std::ranges::sort(bucket, {}, &Keyed::key);
+    std::vector<Arrival> group;
+    for (std::size_t p = 0; p < bucket.size();) {
+      group.clear();
+      const std::size_t first = p;
+      for (; p < bucket.size() && bucket[p].key == bucket[first].key; ++p) group.push_back(bucket[p].at);
+      visit(std::span<const Arrival>(group));
+    }
+  });
+}
+
 /// An entity that a subdomain has and others may have too.
 template <std::size_t N>
 struct Holding {
   EntityKey<N> key;
   std::uint64_t subdomain;  ///< 64 bits: no padding in messages
-};
-
-/// The lowest subdomain that has named each of some entities.
-template <std::size_t N>
-class LowestHolders {
- public:
-  /// For up to `most` records, which stay where they are.
-  explicit LowestHolders(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), nullptr) {}
-
-  /// Returns the place of the entity.
-  std::size_t add(const Holding<N>& holding) {
-    // Keys of one home have something in common in bits 32 and above.
-    std::size_t at = hash_of_key(holding.key) * 0x9E3779B97F4A7C15ull >> shift_;
-    while (slots_[at] && slots_[at]->key != holding.key) at = (at + 1) & (slots_.size() - 1);
-    if (!slots_[at] || holding.subdomain < slots_[at]->subdomain) slots_[at] = &holding;
-    return at;
-  }
-  std::uint64_t subdomain(std::size_t place) const { return slots_[place]->subdomain; }
-
- private:
-  std::vector<const Holding<N>*> slots_;
-  int shift_ = 64 - std::max(1, std::countr_zero(slots_.size()));
 };
 
 /// All ranks: for each of these entities 1 where no lower subdomain on any rank has named it too, else 0.
@@ -108,20 +123,14 @@ std::vector<std::uint8_t> held_by_no_lower(Peers& peers, std::span<const Holding
   Rendezvous<N, Holding<N>> mail(peers.ranks());
   for (const Holding<N>& holding : holdings) mail.add(holding);
   const auto arrived = mail.deliver(peers);
-  std::size_t count = 0;
-  for (const auto& of_rank : arrived) count += of_rank.size();
-  LowestHolders<N> holders(count);
-  std::vector<std::size_t> places;
-  places.reserve(count);
-  for (const auto& of_rank : arrived)
-    for (const Holding<N>& holding : of_rank) places.push_back(holders.add(holding));
+
   std::vector<std::vector<std::uint8_t>> lowest(arrived.size());
-  auto place = places.begin();
-  for (std::size_t r = 0; r < arrived.size(); ++r) {
-    lowest[r].reserve(arrived[r].size());
-    for (const Holding<N>& holding : arrived[r])
-      lowest[r].push_back(holders.subdomain(*place++) == holding.subdomain);
-  }
+  for (std::size_t r = 0; r < arrived.size(); ++r) lowest[r].resize(arrived[r].size());
+  for_each_key<N>(arrived, [&](std::span<const Arrival> named) {
+    const auto subdomain = [&](const Arrival& at) { return arrived[at.rank][at.index].subdomain; };
+    const std::uint64_t least = subdomain(*std::ranges::min_element(named, {}, subdomain));
+    for (const Arrival& at : named) lowest[at.rank][at.index] = subdomain(at) == least;
+  });
   return mail.answer(peers, lowest);
 }
 

@@ -22,6 +22,10 @@ constexpr std::uint64_t kLeastPerSubdomain = 8;
 /// Groups are halved further for a large mesh, as long as so many subdomains are left to a half: of fewer,
 /// most of the interface would be planes.
 constexpr std::uint32_t kLeastOfGroup = 10;
+/// Groups of more tets are halved also where so many subdomains are left to a half: planes are few among as
+/// many interfaces, and more ranks have something to divide. What is left is divided by recursion.
+constexpr std::uint64_t kWorthDealing = 10'000;
+constexpr std::uint32_t kManyOfGroup = 70;
 /// Recursion cuts 3 to 4 % less than METIS's direct division, in two to three times the time: what small
 /// groups need, for what bisection cuts more, and what a graph of few subdomains costs least.
 constexpr std::uint32_t kMostByRecursion = 8;
@@ -130,7 +134,9 @@ std::vector<std::vector<std::uint32_t>> divide(const std::vector<std::vector<Tra
     std::vector<DualVertex> tets;
     for (auto p = begin; p != end; ++p) tets.push_back(arrived[p->from][p->at].tet);
     const std::uint32_t num_parts = bisected.sizes[begin->group];
-    const bool recursive = num_parts <= kMostByRecursion || tets.size() <= limits.by_recursion;
+    const bool is_dealt =
+        bisected.sizes.size() > 1 && num_parts >= kManyOfGroup && tets.size() <= 2 * kWorthDealing;
+    const bool recursive = num_parts <= kMostByRecursion || tets.size() <= limits.by_recursion || is_dealt;
     const std::vector<std::uint32_t> part = metis_parts(tets, num_parts, recursive);
     for (std::size_t i = 0; i < part.size(); ++i) parts[begin[i].from][begin[i].at] = part[i];
     begin = end;
@@ -141,6 +147,7 @@ std::vector<std::vector<std::uint32_t>> divide(const std::vector<std::vector<Tra
 Bisected bisect_into_groups(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains,
                             const GroupLimits& limits) {
   return bisect(peers, items, num_subdomains, [&](std::uint64_t count, std::uint32_t size) {
+    if (size >= 2 * kManyOfGroup && count > kWorthDealing) return true;
     const bool halves_are_enough = size >= 2 * kLeastOfGroup;
     return count > (halves_are_enough ? limits.of_many : limits.most) || count < kLeastPerSubdomain * size;
   });

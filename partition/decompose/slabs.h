@@ -44,7 +44,8 @@ struct Bisected {
 
 /// By how far items reach, halves (as nearly as the number of subdomains allows) the groups of more than one
 /// subdomain for which cut(number of items, number of subdomains) holds, across the axis that is longest in
-/// wanted sizes (cutting_axis).
+/// wanted sizes (cutting_axis). Groups of more than a rank's share, or of more than 20,000 items, are cut
+/// by all ranks together, smaller ones each by one rank. The result is the same on any number of ranks.
 Bisected bisect(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains,
                 const std::function<bool(std::uint64_t, std::uint32_t)>& cut);
 

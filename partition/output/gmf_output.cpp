@@ -1,8 +1,14 @@
 // Counts give every row of a binary file its place; those of text are measured.
 #include "partition/output/gmf_output.h"
 
+#include <tbb/task_arena.h>
+
+#include <algorithm>
 #include <cstddef>
 #include <string>
+
+#include "meshing/base/parallel.h"
+#include "meshing/base/release.h"
 
 namespace weft::partition {
 
@@ -24,13 +30,25 @@ void GmfOutput::create(Peers& peers) {
 }
 
 void GmfOutput::write() {
-  GmfSliceWriter out(file_.target(), plan_);
-  if (first_) out.frame(places_.heads);
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    if (plan_.is_text()) out.set_text_places(places_.rows[p]);
-    parts_[p].write(out);
+  meshing::PlacedBytes* const kept = file_.target().kept;
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  std::vector<meshing::PlacedBytes> of_thread(std::clamp<std::size_t>(parts_.size(), 1, threads));
+  meshing::for_each_large(of_thread.size(), [&](std::size_t k) {
+    meshing::PartTarget target = file_.target();
+    if (kept) target.kept = &of_thread[k];
+    GmfSliceWriter out(target, plan_);
+    if (first_ && k == 0) out.frame(places_.heads);
+    for (std::size_t p = k; p < parts_.size(); p += of_thread.size()) {
+      if (plan_.is_text()) out.set_text_places(places_.rows[p]);
+      parts_[p].write(out);
+    }
+    out.finish();
+  });
+  if (!kept) return;
+  for (meshing::PlacedBytes& bytes : of_thread) {
+    kept->insert(kept->end(), bytes.begin(), bytes.end());
+    meshing::release(bytes);
   }
-  out.finish();
 }
 
 }  // namespace weft::partition

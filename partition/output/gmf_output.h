@@ -28,7 +28,8 @@ class GmfOutput {
 
   /// All ranks.
   void create(Peers& peers);
-  /// This rank's parts. Throws meshing::InputError.
+  /// This rank's parts, by as many writers as there are threads (TBB, in the caller's arena). Throws
+  /// meshing::InputError.
   void write();
   /// All ranks, when all have written.
   void deliver(Peers& peers) { file_.deliver(peers); }

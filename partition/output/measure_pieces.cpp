@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "meshing/base/parallel.h"
+#include "meshing/base/release.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/mesh/tet_tables.h"
@@ -85,7 +87,7 @@ void find_edges_of_part(const Flags& flags, PieceMeasures& piece) {
     }
 }
 
-/// Flags of entities that several pieces may have, each asked for at its home.
+/// Flags of entities of one piece that others may have too, each asked for at its home.
 template <std::size_t N>
 class Undecided {
  public:
@@ -93,10 +95,16 @@ class Undecided {
     holdings_.push_back({sorted_key<N>(key), piece.subdomain.value});
     flags_.push_back(&flag);
   }
-  /// All ranks: sets the flags, to 0 where a lower subdomain has added the entity too.
-  void decide(Peers& peers) {
-    const Flags lowest = held_by_no_lower<N>(peers, holdings_);
-    for (std::size_t i = 0; i < lowest.size(); ++i) *flags_[i] = lowest[i];
+  /// All ranks: sets the flags of all pieces, to 0 where a lower subdomain has added the entity too.
+  static void decide(Peers& peers, std::vector<Undecided> of_pieces) {
+    Undecided all;
+    for (Undecided& piece : of_pieces) {
+      all.holdings_.insert(all.holdings_.end(), piece.holdings_.begin(), piece.holdings_.end());
+      all.flags_.insert(all.flags_.end(), piece.flags_.begin(), piece.flags_.end());
+      piece = {};
+    }
+    const Flags lowest = held_by_no_lower<N>(peers, all.holdings_);
+    for (std::size_t i = 0; i < lowest.size(); ++i) *all.flags_[i] = lowest[i];
   }
 
  private:
@@ -108,8 +116,8 @@ class Undecided {
 /// has it in the part.
 void divide_edges(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags,
                   std::vector<PieceMeasures>& pieces) {
-  Undecided<2> of_whole, of_part;
-  for (std::size_t p = 0; p < mine.size(); ++p) {
+  std::vector<Undecided<2>> of_whole(mine.size()), of_part(mine.size());
+  meshing::for_each_large(mine.size(), [&](std::size_t p) {
     PieceMeasures& piece = pieces[p];
     const Flags shared = shared_flags(mine[p]);
     piece.of_whole.assign(piece.edges.others.size(), 1);
@@ -120,26 +128,27 @@ void divide_edges(Peers& peers, std::span<const MeshPiece> mine, const VertexFla
         const std::uint32_t w = piece.edges.others[e];
         if (!shared[w]) continue;
         const EntityKey<2> ends{mine[p].ids[v], mine[p].ids[w]};
-        of_whole.add(ends, mine[p], piece.of_whole[e]);
+        of_whole[p].add(ends, mine[p], piece.of_whole[e]);
         if (!piece.part.empty() && piece.in_part[e] && !(flags[p][v] | flags[p][w]))
-          of_part.add(ends, mine[p], piece.of_part[e]);
+          of_part[p].add(ends, mine[p], piece.of_part[e]);
       }
     }
-  }
-  of_whole.decide(peers);
-  of_part.decide(peers);
-  for (std::size_t p = 0; p < mine.size(); ++p)
+  });
+  Undecided<2>::decide(peers, std::move(of_whole));
+  Undecided<2>::decide(peers, std::move(of_part));
+  meshing::for_each_large(mine.size(), [&](std::size_t p) {
     for (std::size_t v = 0; v < flags[p].size() && !pieces[p].part.empty(); ++v)
       for (std::size_t e = pieces[p].edges.begins[v]; e < pieces[p].edges.begins[v + 1]; ++e)
         if (flags[p][v] | flags[p][pieces[p].edges.others[e]]) pieces[p].of_part[e] = pieces[p].of_whole[e];
+  });
 }
 
 /// Counts the vertices of the part's tets, each in the lowest subdomain that has it there.
 void count_vertices_of_part(Peers& peers, std::span<const MeshPiece> mine, std::span<const PieceShare> shares,
                             const VertexFlags& flags, std::vector<PieceMeasures>& pieces) {
-  Undecided<1> undecided;
+  std::vector<Undecided<1>> undecided(mine.size());
   VertexFlags counted(mine.size());
-  for (std::size_t p = 0; p < mine.size(); ++p) {
+  meshing::for_each_large(mine.size(), [&](std::size_t p) {
     counted[p].assign(flags[p].size(), 0);
     for (const Tet& tet : pieces[p].part)
       for (const std::uint32_t v : tet) counted[p][v] = 1;
@@ -149,30 +158,34 @@ void count_vertices_of_part(Peers& peers, std::span<const MeshPiece> mine, std::
       if (flags[p][v])
         counted[p][v] = shares[p].points[v];
       else
-        undecided.add({mine[p].ids[v]}, mine[p], counted[p][v]);
+        undecided[p].add({mine[p].ids[v]}, mine[p], counted[p][v]);
     }
-  }
-  undecided.decide(peers);
+  });
+  Undecided<1>::decide(peers, std::move(undecided));
   for (std::size_t p = 0; p < mine.size(); ++p)
     pieces[p].part_counts.vertices = static_cast<std::uint64_t>(std::ranges::count(counted[p], 1));
+}
+
+/// What one piece shows by itself.
+PieceMeasures look_at(const meshing::MeshData& mesh, const PieceShare& share, const Flags& flags) {
+  PieceMeasures piece;
+  divide_tets(mesh.tets, flags, piece);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!share.triangles[t]) continue;
+    ++piece.whole_counts.triangles;
+    piece.part_counts.triangles += any_flag(mesh.triangles[t], flags);
+  }
+  piece.whole_counts.vertices = static_cast<std::uint64_t>(std::ranges::count(share.points, 1));
+  piece.edges = meshing::unique_edges(mesh.tets, mesh.points.size());
+  find_edges_of_part(flags, piece);
+  return piece;
 }
 
 std::vector<PieceMeasures> look_at(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags) {
   std::vector<PieceMeasures> pieces(mine.size());
   const std::vector<PieceShare> shares = shares_of(peers, mine);
-  for (std::size_t p = 0; p < mine.size(); ++p) {
-    const meshing::MeshData& mesh = mine[p].mesh;
-    PieceMeasures& piece = pieces[p];
-    divide_tets(mesh.tets, flags[p], piece);
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      if (!shares[p].triangles[t]) continue;
-      ++piece.whole_counts.triangles;
-      piece.part_counts.triangles += any_flag(mesh.triangles[t], flags[p]);
-    }
-    piece.whole_counts.vertices = static_cast<std::uint64_t>(std::ranges::count(shares[p].points, 1));
-    piece.edges = meshing::unique_edges(mesh.tets, mesh.points.size());
-    find_edges_of_part(flags[p], piece);
-  }
+  meshing::for_each_large(mine.size(),
+                          [&](std::size_t p) { pieces[p] = look_at(mine[p].mesh, shares[p], flags[p]); });
   count_vertices_of_part(peers, mine, shares, flags, pieces);
   divide_edges(peers, mine, flags, pieces);
   return pieces;
@@ -193,7 +206,18 @@ struct Sums {
     edges += of_edges;
     counts.num_vertices += counted.vertices;
     counts.num_triangles += counted.triangles;
-    counts.num_tets = qualities.size();
+    counts.num_tets += qualities.size();
+  }
+  /// Those of another piece.
+  void add(Sums&& other) {
+    pieces.insert(pieces.end(), other.pieces.begin(), other.pieces.end());
+    tets += other.tets;
+    edges += other.edges;
+    counts.num_vertices += other.counts.num_vertices;
+    counts.num_triangles += other.counts.num_triangles;
+    counts.num_tets += other.counts.num_tets;
+    qualities.insert(qualities.end(), other.qualities.begin(), other.qualities.end());
+    meshing::release(other.qualities);
   }
 };
 
@@ -209,7 +233,8 @@ Flags picked(const PieceMeasures& piece, const Pick& pick) {
   return flags;
 }
 
-void add_piece(const MeshPiece& piece, const PieceMeasures& look, BothSums& sums) {
+BothSums sums_of(const MeshPiece& piece, const PieceMeasures& look) {
+  BothSums sums;
   const meshing::MeasuredPoints points(piece.mesh.points, piece.log_metrics);
   const auto add_qualities = [](const std::vector<double>& from, std::vector<double>& to) {
     to.insert(to.end(), from.begin(), from.end());
@@ -220,7 +245,7 @@ void add_piece(const MeshPiece& piece, const PieceMeasures& look, BothSums& sums
   if (look.part.empty()) {
     sums.whole.add(piece.subdomain, tets, sum_edges(look.edges, look.of_whole, points), look.whole_counts);
     sums.part.add(piece.subdomain, {}, {}, look.part_counts);
-    return;
+    return sums;
   }
   const TetTotals tets_of_part = sum_tets(look.part, points, qualities);
   add_qualities(qualities, sums.whole.qualities);
@@ -235,6 +260,7 @@ void add_piece(const MeshPiece& piece, const PieceMeasures& look, BothSums& sums
   edges_of_part += of_both;
   sums.whole.add(piece.subdomain, tets, edges_of_whole, look.whole_counts);
   sums.part.add(piece.subdomain, tets_of_part, edges_of_part, look.part_counts);
+  return sums;
 }
 
 /// Calls visit(count) for every count that adds up, in a fixed order.
@@ -306,9 +332,17 @@ Measures measure_pieces(Peers& peers, std::span<const MeshPiece> mine) {
 }
 
 WholeAndPart measure_pieces(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags) {
+  std::vector<PieceMeasures> looks = look_at(peers, mine, flags);
+  std::vector<BothSums> of_pieces(mine.size());
+  meshing::for_each_large(mine.size(), [&](std::size_t p) {
+    of_pieces[p] = sums_of(mine[p], looks[p]);
+    looks[p] = {};
+  });
   BothSums sums;
-  const std::vector<PieceMeasures> looks = look_at(peers, mine, flags);
-  for (std::size_t p = 0; p < mine.size(); ++p) add_piece(mine[p], looks[p], sums);
+  for (BothSums& of_piece : of_pieces) {
+    sums.whole.add(std::move(of_piece.whole));
+    sums.part.add(std::move(of_piece.part));
+  }
   return {measures_of(peers, sums.whole), measures_of(peers, sums.part)};
 }
 

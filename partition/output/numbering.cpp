@@ -123,16 +123,13 @@ void number_others_points(Peers& peers, std::span<const MeshPiece> mine, std::ve
     }
   }
   const auto arrived = mail.deliver(peers);
-  std::unordered_map<GlobalId, std::uint64_t> numbers;
-  for (const auto& of_rank : arrived)
-    for (const PointNumber& point : of_rank)
-      if (point.number != kUnknown) numbers[point.key[0]] = point.number;
   std::vector<std::vector<std::uint64_t>> answers(arrived.size());
-  for (std::size_t r = 0; r < arrived.size(); ++r)
-    for (const PointNumber& point : arrived[r]) {
-      const auto found = numbers.find(point.key[0]);
-      answers[r].push_back(found == numbers.end() ? kUnknown : found->second);
-    }
+  for (std::size_t r = 0; r < arrived.size(); ++r) answers[r].resize(arrived[r].size());
+  for_each_key<1>(arrived, [&](std::span<const Arrival> copies) {
+    std::uint64_t number = kUnknown;
+    for (const Arrival& at : copies) number = std::min(number, arrived[at.rank][at.index].number);
+    for (const Arrival& at : copies) answers[at.rank][at.index] = number;
+  });
   const std::vector<std::uint64_t> mine_answered = mail.answer(peers, answers);
   for (std::size_t i = 0; i < places.size(); ++i) *places[i] = mine_answered[i];
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "meshing/base/parallel.h"
 #include "meshing/geometry/surface/face_directions.h"
 #include "meshing/mesh/face_sums.h"
 #include "partition/communication/reduce.h"
@@ -25,8 +26,10 @@ meshing::FaceSums sums_of(const MeshPiece& piece) {
 }  // namespace
 
 void check_result(Peers& peers, std::span<const MeshPiece> mine) {
+  std::vector<meshing::FaceSums> of_pieces(mine.size());
+  meshing::for_each_large(mine.size(), [&](std::size_t p) { of_pieces[p] = sums_of(mine[p]); });
   meshing::FaceSums sums;
-  for (const MeshPiece& piece : mine) sums += sums_of(piece);
+  for (const meshing::FaceSums& of_piece : of_pieces) sums += of_piece;
   const std::vector<std::uint64_t> all = sum(peers, std::vector{sums.faults, sums.faces, sums.references});
   if (meshing::FaceSums{all[0], all[1], all[2]}.ok()) return;
   PiecesReport report = check_pieces(peers, mine);

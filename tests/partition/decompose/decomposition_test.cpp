@@ -257,6 +257,25 @@ TEST(Bisection, CutsAcrossTheLongestPrincipalAxis) {
   EXPECT_LT(greatest - least, 1.5);  // the axis is found to a few percent
 }
 
+// All ranks cut together while a group is more than a rank's share: twenty to thirty exchanges a level.
+TEST(Bisection, SmallGroupsAreCutByOneRankEach) {
+  const Whole w = random_whole(10, 4);
+  constexpr std::uint32_t n = 256;
+  const auto expected = decompose_on(1, w, n, "bisection");
+  std::vector<SubdomainId> all(w.work.size());
+  std::vector<std::size_t> exchanges(8);
+  support::run_ranks(8, [&](Peers& plain) {
+    support::CountingPeers peers(plain);
+    const auto [mine, numbers] = dealt(peers, w);
+    const std::vector<std::uint64_t> weights = integer_weights(peers, mine.work);
+    const auto found = bisection(peers, {mine.centres, mine.corners, weights, numbers, mine.cut_tensors}, n);
+    for (std::size_t k = 0; k < numbers.size(); ++k) all[numbers[k]] = found[k];
+    exchanges[static_cast<std::size_t>(peers.rank())] = peers.exchanges;
+  });
+  EXPECT_EQ(all, expected);
+  for (const std::size_t e : exchanges) EXPECT_LT(e, 150u);
+}
+
 TEST(PrincipalAxes, AreThoseOfAnEllipsoid) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -425,6 +444,19 @@ TEST(GraphPartition, GroupsAreEnoughForManyRanks) {
   graph_parts(8, c.w, c.n / 2, c.most, &of_few_subdomains);
   EXPECT_LT(of_groups, of_one_graph / 7);
   EXPECT_GT(of_few_subdomains, of_one_graph / 5);  // 16 subdomains a group are not halved
+}
+
+TEST(GraphPartition, ManySubdomainsOfOneGraphAreDealtToSeveralRanks) {
+  const GroupedCase c;
+  constexpr std::uint32_t many = 2 * c.n;
+  const std::size_t all = c.w.work.size();
+  std::size_t of_few = 0, of_many = 0;
+  const double area = interface_area(c.w, graph_parts(8, c.w, c.n, all, &of_few));
+  const auto expected = graph_parts(8, c.w, many, all, &of_many);
+  EXPECT_LT(of_many, 0.6 * static_cast<double>(of_few));
+  EXPECT_LT(interface_area(c.w, expected), 1.3 * area);  // the cube root of 2, and the plane
+  for (const double load : loads(c.w, expected, many)) EXPECT_NEAR(load, 96, 5);
+  EXPECT_EQ(graph_parts(3, c.w, many, all), expected);
 }
 
 TEST(DualGraph, JoinsTetsAtTheFaceTheyShare) {

@@ -140,7 +140,7 @@ class DistributedFileJob {
                              input.slice.num_edges};
     account_.times.read = watch_.lap();
     measure_before(input);
-    account_.times.measure = watch_.lap();
+    account_.times.measure = account_.times.measure_input = watch_.lap();
     return input;
   }
 
@@ -204,8 +204,10 @@ class DistributedFileJob {
     } else if (mesh.extension() == ".pvtu") {
       partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), mesh, piece_fields_);
     } else {
-      partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_, 0,
-                              names_, piece_fields_);
+      run_.on_threads([&] {
+        partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_, 0,
+                                names_, piece_fields_);
+      });
       if (run_.first()) copy_names();
     }
     account_.times.write = watch_.lap();

@@ -54,8 +54,13 @@ Json json_of(const meshing::StageReport& stage) {
 }
 
 Json json_of(const StageTimes& times) {
-  return {{"read", times.read},       {"metric", times.metric}, {"adapt", times.adapt},
-          {"measure", times.measure}, {"fields", times.fields}, {"write", times.write},
+  return {{"read", times.read},
+          {"metric", times.metric},
+          {"adapt", times.adapt},
+          {"measure", times.measure},
+          {"measure_input", times.measure_input},
+          {"fields", times.fields},
+          {"write", times.write},
           {"total", times.total}};
 }
 

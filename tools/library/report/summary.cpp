@@ -50,6 +50,7 @@ std::string times_text(const Report& run) {
   for (const meshing::StageReport& stage : run.stages)
     row("  " + stage.name, stage.seconds, grouped(stage.vertices), grouped(stage.tets));
   row("measure", run.times.measure);
+  row("  of the input", run.times.measure_input);
   if (!run.field_accounts.empty()) row("fields", run.times.fields);
   row("write", run.times.write);
   row("total", run.times.total);

@@ -270,6 +270,7 @@ struct MeshCounts {
 
 struct StageTimes {
   double read = 0, metric = 0, adapt = 0, measure = 0, fields = 0, write = 0, total = 0;
+  double measure_input = 0;  ///< of `measure`, what was before the adaptation
 };
 
 /// What an adaptation to a complexity is expected to end with.

@@ -1,0 +1,75 @@
+"""What a command in subdomains takes beside its loop, predicted for ranks and tets that this machine does not have.
+
+start   All of the command with the real protocols but without work in the loop: the start mesh goes into the real number
+        of subdomains on simulated ranks, nothing may be changed, and it is checked, measured and written. Virtual
+        seconds of all of that, also of the empty loop: what grows with the ranks is in it.
+end     What is done after the loop (pieces, check, measures, writing) with the tets that the result has more: seconds
+        a tet of a rank, from the finished mesh of the recording on --end-ranks, where each has about as many tets as in
+        the large case. Threads of a rank share what two threads share here in one process, by Amdahl's law.
+disk    The files' bytes at --disk bytes a second for all ranks together: assumed, as files are in a cache here."""
+
+import re
+
+NOTHING_CHANGES = ("--no-insert", "--no-swap", "--no-move", "--shifts", 0, "--force")
+
+
+class WholeCommand:
+    def __init__(self, book, options, subdomains):
+        """`subdomains` of the recorded size in the end."""
+        self.book, self.options, self.subdomains = book, options, subdomains
+        self.start, self.result = book.folder / book.start_mesh(options.complexity), book.folder / "recorded.meshb"
+        self.start_metric = book.metric_file or self.start.with_suffix(".solb")
+        self.scale = options.copies * options.grow
+        self.tets_recorded = self.tets_of(self.result)
+        self.more_tets = self.scale * self.tets_recorded - self.tets_of(self.start)
+        self.done = {}
+
+    def tets_of(self, mesh):
+        return int(re.search(r"tets +([\d,]+)", self.book.run(self.book.command("stat", mesh))).group(1).replace(",", ""))
+
+    def run(self, name, mesh, metric, subdomains, *more):
+        """What a run says, or said when it was made for --out before and --reuse is given."""
+        path = self.book.folder / f"whole-{name}.txt".replace("/", "-")
+        if name not in self.done and self.options.reuse and path.exists():
+            self.done[name] = path.read_text()
+        if name not in self.done:
+            self.done[name] = self.book.run(self.book.command(
+                "adapt", mesh, "--metric", metric, "--subdomains", subdomains, *NOTHING_CHANGES, "-o", "whole.meshb", *more), (0, 1))
+            path.write_text(self.done[name])
+            self.book.say(f"whole command: {name}")
+        return self.done[name]
+
+    @staticmethod
+    def on_ranks(ranks, network):
+        return "--threads", 1, "--simulate-ranks", ranks, "--simulate-network", network
+
+    def start_seconds(self, ranks, subdomains, network):
+        text = self.run(f"start-{ranks}-{subdomains}-{network}", self.start, self.start_metric, subdomains,
+                        "--complexity", self.options.complexity * self.scale, *self.on_ranks(ranks, network))
+        return float(re.search(r"^simulated: .*?: ([\d.e+-]+) s,", text, re.M).group(1))
+
+    def after_loop(self, name, *more):
+        text = self.run(name, self.result, self.result.with_suffix(".solb"), self.subdomains, *more)
+        total, *before = (float(re.search(rf"^ +{part} +([\d.]+)", text, re.M).group(1))
+                          for part in ("total", "read", "metric", "adapt", "of the input"))
+        return total - sum(before)
+
+    def share_of_thread(self, threads):
+        one, two = (self.after_loop(f"threads-{n}", "--threads", n) for n in (1, 2))
+        serial = min(1.0, max(0.0, 2 * two / one - 1))
+        return serial + (1 - serial) / threads
+
+    def end_seconds(self, ranks, threads, network):
+        measured_on = self.options.end_ranks if ranks > 1 else 1
+        seconds = self.after_loop(f"end-{measured_on}-{network}", *self.on_ranks(measured_on, network))
+        return seconds * measured_on / self.tets_recorded * self.more_tets / ranks * self.share_of_thread(threads)
+
+    def disk_seconds(self):
+        files = [self.start, self.start_metric], [self.result, self.result.with_suffix(".solb")]
+        of_start, of_result = (sum(path.stat().st_size for path in pair) for pair in files)
+        return (of_start + self.scale * of_result) / self.options.disk
+
+    def seconds(self, ranks, threads, subdomains, network):
+        """All but the loop."""
+        return {"start": self.start_seconds(ranks, subdomains, network), "end": self.end_seconds(ranks, threads, network),
+                "disk": self.disk_seconds()}
