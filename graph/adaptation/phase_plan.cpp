@@ -49,12 +49,14 @@ double coarseness_of_curved(const partition::Distributed& d, std::uint64_t input
   return first;
 }
 
-/// All subdomains wait for the seed that they come from: it makes no more tets than four of them will have,
-/// but so many that its interface is little.
-double tets_of_seed(double complexity, const PlanOptions& options) {
-  constexpr double kSubdomains = 4, kLeast = 1e4;
+/// All subdomains wait for the seed that they come from: it makes no more tets than one of them will have,
+/// but so many that its interface is little. More where the input is far from its metric: interfaces would be
+/// of needles.
+double tets_of_seed(double complexity, bool is_far, const PlanOptions& options) {
+  constexpr double kLeast = 1e4;
+  const double subdomains = is_far ? 4 : 1;
   return std::min(options.tets_of_seed,
-                  std::max(kLeast, kSubdomains * tets_of(complexity, 1) / options.subdomains));
+                  std::max(kLeast, subdomains * tets_of(complexity, 1) / options.subdomains));
 }
 
 }  // namespace
@@ -70,7 +72,7 @@ std::uint32_t parts_at_first(const partition::InputMeasures& input, const PlanOp
   const double most = std::max(tets, tets_of(input.complexity, coarseness));
   if (options.partitioner.kind == partition::Partitioner::Kind::pqr)
     return most > options.tets_of_seed ? all : 1;  // it divides one mesh
-  const double parts = most / tets_of_seed(input.complexity, options);
+  const double parts = most / tets_of_seed(input.complexity, is_far, options);
   return static_cast<std::uint32_t>(std::clamp(parts, 1.0, static_cast<double>(all)));
 }
 
