@@ -264,6 +264,7 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, double c
   if (rank.plan.pauses) interface.emplace(subdomain_);
   options.progress = [&](const std::string&, double done, std::uint64_t) { tell_done(rank, round, done); };
   rank.surface->share(subdomain_.surface);
+  rank.freed->give_back();
   const meshing::AdaptReport report =
       partition::adapt_subdomain(subdomain_, rank.geometry->surface, limits, extent, options, before_level);
   if (interface) interface->check(subdomain_);
