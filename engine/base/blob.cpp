@@ -23,7 +23,7 @@ constexpr std::size_t kHugePage = std::size_t{1} << 21;  ///< touching fresh hug
 #if defined(__SANITIZE_ADDRESS__)
 constexpr std::size_t kMostKept = 0;  ///< a recycled block would hide a use after free
 #else
-constexpr std::size_t kMostKept = std::size_t{1} << 25;  ///< messages of several neighbours; it is memory
+constexpr std::size_t kMostKept = std::size_t{1} << 24;  ///< messages of several neighbours; it is memory
 #endif
 
 /// In front of every block, since whoever frees it knows its address only. A cache line, to keep the data

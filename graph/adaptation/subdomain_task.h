@@ -33,6 +33,7 @@
 #include <variant>
 #include <vector>
 
+#include "graph/adaptation/freed_memory.h"
 #include "graph/adaptation/progress.h"
 #include "graph/dataflow/blueprint.h"
 #include "partition/divide/divide.h"
@@ -129,6 +130,7 @@ struct RankData {
   AdaptationPlan plan;
   std::shared_ptr<const partition::Geometry> geometry;
   std::shared_ptr<partition::SharedSurface> surface;  ///< the pieces that its subdomains have
+  std::shared_ptr<FreedMemory> freed;                 ///< of its subdomains
   const std::atomic<bool>* interrupt = nullptr;       ///< when true, subdomains finish with what they have
   std::function<void()> out_of_memory;                ///< sets `interrupt`
   ProgressBoard* news = nullptr;  ///< where subdomains tell how far they are; null: nowhere

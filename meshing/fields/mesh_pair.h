@@ -30,6 +30,8 @@ class MeshPair {
   /// Whether tets at these distances from the points of the other part may be missing in the source; it is
   /// larger then. Infinity: the source has no tets.
   virtual bool widen(Way way, std::span<const double> distances) = 0;
+  /// Nobody looks at the source any more, before it is asked for anew.
+  virtual void release_source(Way) {}
 };
 
 /// A fault of the new mesh; any other InputError is of the old one.

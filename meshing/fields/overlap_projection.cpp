@@ -266,10 +266,12 @@ std::vector<double> integrals(const MetricDomain& domain, const ValueTable& tabl
 std::optional<std::vector<double>> project(const Background* from, const ValueTable& old,
                                            const MetricDomain& to, std::span<const std::uint32_t> places,
                                            std::span<const double> wanted,
-                                           std::span<const TensorColumns> tensors, ValueTable& table) {
+                                           std::span<const TensorColumns> tensors, ValueTable& table,
+                                           const std::function<void()>& old_is_read) {
   if (to.interrupted()) return std::nullopt;  // of one part alone: the others need not begin
   const Demands demands = demands_of(from, old, to, places, table);
   if (to.interrupted()) return std::nullopt;
+  if (old_is_read) old_is_read();
   const MassMatrix mass(to.mesh());
   const auto refresh = [&](std::vector<double>& values) { to.refresh(table.columns, values); };
   mass.solve(demands.loads, table.columns, table.values, refresh);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -23,10 +24,12 @@ std::vector<double> integrals(const MetricDomain& domain, const ValueTable& tabl
 /// columns of `tensors`, all positive definite, stay so (limit_tensors) instead of being bounded one by one.
 /// Returns how far each column had to leave its bounds; nothing, and leaves `table` as it is, where `to` is
 /// interrupted before the overlaps are known. Throws InputError for a tet of `to` without volume.
-/// `from` may be null where `to` has no tets here.
+/// `from` may be null where `to` has no tets here. `old_is_read`: called once nothing of `from`, `old` and
+/// `places` is read any more.
 std::optional<std::vector<double>> project(const Background* from, const ValueTable& old,
                                            const MetricDomain& to, std::span<const std::uint32_t> places,
                                            std::span<const double> wanted,
-                                           std::span<const TensorColumns> tensors, ValueTable& table);
+                                           std::span<const TensorColumns> tensors, ValueTable& table,
+                                           const std::function<void()>& old_is_read = {});
 
 }  // namespace weft::meshing

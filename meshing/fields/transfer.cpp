@@ -9,6 +9,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
+#include "meshing/base/release.h"
 #include "meshing/fields/interpolate.h"
 #include "meshing/fields/overlap_projection.h"
 #include "meshing/fields/reading.h"
@@ -127,11 +128,16 @@ std::vector<TensorColumns> append_eigenvalues(const MetricDomain& domain, Soluti
 using Way = MeshPair::Way;
 
 /// Replaces what was read by its projection and accounts for its bounds; false: was interrupted before.
-bool conserve(const MeshPair& meshes, std::span<const double> wanted,
-              const std::vector<TensorColumns>& tensors, Reading& reading,
-              std::vector<ComponentAccount>& accounts) {
+bool conserve(MeshPair& meshes, std::span<const double> wanted, const std::vector<TensorColumns>& tensors,
+              Reading& reading, std::vector<ComponentAccount>& accounts) {
+  const auto old_is_read = [&] {
+    reading.background.reset();
+    release(reading.source.values);
+    release(reading.at.places);
+    meshes.release_source(Way::onto_new);
+  };
   const auto beyond = project(reading.background.get(), reading.source, meshes.new_mesh(), reading.at.places,
-                              wanted, tensors, reading.at.table);
+                              wanted, tensors, reading.at.table, old_is_read);
   if (!beyond) return false;
   for (std::size_t c = 0; c < accounts.size(); ++c) accounts[c].beyond_bounds = (*beyond)[c];
   for (const TensorColumns& t : tensors)
@@ -179,6 +185,7 @@ Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod m
   if (conservative && conserve(meshes, before, tensors, reading, result.accounts)) result.method = method;
   const ValueTable carried = std::move(reading.at.table);
   reading = {};
+  meshes.release_source(Way::onto_new);
   const std::vector<double> after = integrals(meshes.new_mesh(), carried);
   for (std::size_t c = 0; c < result.accounts.size(); ++c) {
     result.accounts[c].integral_before = before[c];

@@ -58,7 +58,7 @@ Decomposition pqr(Peers& peers, const WeightedItems& weighted, const Items& item
 }  // namespace
 
 Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subdomains,
-                        const Partitioner& partitioner) {
+                        const Partitioner& partitioner, const std::function<void()>& items_are_read) {
   if (num_subdomains == 0) throw std::invalid_argument("a mesh cannot be decomposed into 0 subdomains");
   const auto& slabs = partitioner.slabs;
   if (const std::uint64_t product = num_bricks(slabs); product != 0 && product != num_subdomains)
@@ -74,7 +74,9 @@ Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subd
     case Partitioner::Kind::pqr:
       return pqr(peers, weighted, items, num_subdomains, partitioner);
     case Partitioner::Kind::graph:
-      return {graph_partition(peers, weighted, {items.vertices, items.face_areas}, num_subdomains), {}};
+      return {graph_partition(peers, weighted, {items.vertices, items.face_areas}, num_subdomains,
+                              kMostInGraph, items_are_read),
+              {}};
     case Partitioner::Kind::bisection:
       break;
   }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,8 +49,10 @@ struct Decomposition {
 ///
 /// Throws std::invalid_argument when num_subdomains is 0 or not the product of the partitioner's slabs, and
 /// where the partitioner has a coordinate but the tets have none.
+///
+/// `items_are_read`: called before what takes most memory, if that does not read them; their memory may go.
 Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subdomains,
-                        const Partitioner& partitioner);
+                        const Partitioner& partitioner, const std::function<void()>& items_are_read = {});
 
 /// The parts of a decomposition spread over `num_subdomains`, no fewer than they are: behind each part come
 /// as many subdomains without tets as its share of the work (an entry for each of this rank's tets) befits.

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "meshing/base/release.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/dual_graph.h"
@@ -67,29 +68,45 @@ struct GroupLimits {
   std::uint64_t by_recursion = 0;  ///< to be divided by recursion into any number of parts
 };
 
-/// The part, below num_parts, of each tet.
-std::vector<std::uint32_t> metis_parts(std::span<const DualVertex> tets, std::uint32_t num_parts,
-                                       bool recursive) {
-  DualGraph graph = dual_graph(tets);
+/// A graph as METIS takes it.
+struct MetisGraph {
+  std::vector<idx_t> begins, neighbours, weights, face_weights;
+};
+
+/// Gives the tets' memory back.
+MetisGraph metis_graph(std::vector<DualVertex>&& tets) {
   std::vector<std::uint64_t> work;
+  work.reserve(tets.size());
   for (const DualVertex& tet : tets) work.push_back(tet.weight);
-  std::vector<idx_t> weights = small_weights(work), face_weights = small_weights(graph.face_weights);
+  MetisGraph graph;
+  graph.weights = small_weights(work);
+  meshing::release(work);
+  DualGraph dual = dual_graph(tets);
+  meshing::release(tets);
+  graph.face_weights = small_weights(dual.face_weights);
+  graph.begins = std::move(dual.begins);
+  graph.neighbours = std::move(dual.neighbours);
+  return graph;
+}
+
+/// The part, below num_parts, of each tet.
+std::vector<idx_t> metis_parts(MetisGraph graph, std::uint32_t num_parts, bool recursive) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;  // the same parts in every run
-  auto num_vertices = static_cast<idx_t>(tets.size());
+  auto num_vertices = static_cast<idx_t>(graph.weights.size());
   auto parts_wanted = static_cast<idx_t>(num_parts);
   idx_t one_weight = 1, cut = 0;
-  std::vector<idx_t> part(tets.size());
+  std::vector<idx_t> part(graph.weights.size());
   const auto divide = recursive ? METIS_PartGraphRecursive : METIS_PartGraphKway;
   // METIS draws from rand(): two graphs at once in a process would get each other's numbers.
   static std::mutex one_at_a_time;
   const std::scoped_lock lock(one_at_a_time);
   const int status =
-      divide(&num_vertices, &one_weight, graph.begins.data(), graph.neighbours.data(), weights.data(),
-             nullptr, face_weights.data(), &parts_wanted, nullptr, nullptr, options, &cut, part.data());
+      divide(&num_vertices, &one_weight, graph.begins.data(), graph.neighbours.data(), graph.weights.data(),
+             nullptr, graph.face_weights.data(), &parts_wanted, nullptr, nullptr, options, &cut, part.data());
   if (status != METIS_OK) throw std::runtime_error("METIS could not divide the graph of the tets");
-  return {part.begin(), part.end()};
+  return part;
 }
 
 /// The items of the groups that are to be divided, sent to the ranks that do it.
@@ -105,41 +122,71 @@ std::vector<std::vector<Traveller>> send_groups(Peers& peers, const WeightedItem
   return partition::all_to_all(peers, std::move(to_each));
 }
 
-/// The part of each traveller in its group, in the order of arrival.
-std::vector<std::vector<std::uint32_t>> divide(const std::vector<std::vector<Traveller>>& arrived,
-                                               const Bisected& bisected, const GroupLimits& limits) {
-  struct Place {
-    std::uint32_t group;
-    std::uint64_t number;
-    std::size_t from, at;
+/// Groups one after the other, and where each tet has come from.
+struct ArrivedGroups {
+  struct Group {
+    std::uint32_t number;
+    std::vector<DualVertex> tets;
   };
-  std::vector<Place> places;
-  std::vector<std::vector<std::uint32_t>> parts;
+  struct Origin {
+    std::uint32_t rank, place;
+  };
+  std::vector<Group> groups;
+  std::vector<Origin> origins;
+};
+
+/// Tets are in the order of their numbers, so that no graph depends on who sent what. Gives the travellers'
+/// memory back.
+ArrivedGroups in_groups(std::vector<std::vector<Traveller>>&& arrived) {
+  struct Key {
+    std::uint64_t number;
+    std::uint32_t group;
+    ArrivedGroups::Origin origin;
+  };
+  std::vector<Key> keys;
   std::size_t size = 0;
   for (const auto& of_rank : arrived) size += of_rank.size();
-  places.reserve(size);
-  for (std::size_t r = 0; r < arrived.size(); ++r) {
-    for (std::size_t i = 0; i < arrived[r].size(); ++i)
-      places.push_back({arrived[r][i].group, arrived[r][i].tet.number, r, i});
-    parts.emplace_back(arrived[r].size());
-  }
-  // By number, so that the graph does not depend on who sent what.
-  const auto comes_before = [](const Place& a, const Place& b) {
+  keys.reserve(size);
+  for (std::uint32_t r = 0; r < arrived.size(); ++r)
+    for (std::uint32_t i = 0; i < arrived[r].size(); ++i)
+      keys.push_back({arrived[r][i].tet.number, arrived[r][i].group, {r, i}});
+  const auto comes_before = [](const Key& a, const Key& b) {
     return a.group != b.group ? a.group < b.group : a.number < b.number;
   };
-  if (!std::ranges::is_sorted(places, comes_before)) std::ranges::sort(places, comes_before);
-  for (auto begin = places.begin(); begin != places.end();) {
-    const auto end =
-        std::find_if(begin, places.end(), [&](const Place& p) { return p.group != begin->group; });
-    std::vector<DualVertex> tets;
-    for (auto p = begin; p != end; ++p) tets.push_back(arrived[p->from][p->at].tet);
-    const std::uint32_t num_parts = bisected.sizes[begin->group];
+  if (!std::ranges::is_sorted(keys, comes_before)) std::ranges::sort(keys, comes_before);
+  ArrivedGroups result;
+  result.origins.reserve(size);
+  for (auto begin = keys.begin(); begin != keys.end();) {
+    const auto end = std::find_if(begin, keys.end(), [&](const Key& k) { return k.group != begin->group; });
+    result.groups.push_back({begin->group, {}});
+    std::vector<DualVertex>& tets = result.groups.back().tets;
+    tets.reserve(static_cast<std::size_t>(end - begin));
+    for (; begin != end; ++begin) {
+      tets.push_back(arrived[begin->origin.rank][begin->origin.place].tet);
+      result.origins.push_back(begin->origin);
+    }
+  }
+  meshing::release(arrived);
+  return result;
+}
+
+/// The part of each traveller in its group, in the order of arrival.
+std::vector<std::vector<std::uint32_t>> divide(std::vector<std::vector<Traveller>>&& arrived,
+                                               const Bisected& bisected, const GroupLimits& limits) {
+  std::vector<std::vector<std::uint32_t>> parts;
+  for (const auto& of_rank : arrived) parts.emplace_back(of_rank.size());
+  ArrivedGroups all = in_groups(std::move(arrived));
+  auto origin = all.origins.begin();
+  for (ArrivedGroups::Group& group : all.groups) {
+    const std::uint32_t num_parts = bisected.sizes[group.number];
+    const std::uint64_t count = group.tets.size();
     const bool is_dealt =
-        bisected.sizes.size() > 1 && num_parts >= kManyOfGroup && tets.size() <= 2 * kWorthDealing;
-    const bool recursive = num_parts <= kMostByRecursion || tets.size() <= limits.by_recursion || is_dealt;
-    const std::vector<std::uint32_t> part = metis_parts(tets, num_parts, recursive);
-    for (std::size_t i = 0; i < part.size(); ++i) parts[begin[i].from][begin[i].at] = part[i];
-    begin = end;
+        bisected.sizes.size() > 1 && num_parts >= kManyOfGroup && count <= 2 * kWorthDealing;
+    const bool recursive = num_parts <= kMostByRecursion || count <= limits.by_recursion || is_dealt;
+    for (const idx_t part : metis_parts(metis_graph(std::move(group.tets)), num_parts, recursive)) {
+      parts[origin->rank][origin->place] = static_cast<std::uint32_t>(part);
+      ++origin;
+    }
   }
   return parts;
 }
@@ -156,12 +203,14 @@ Bisected bisect_into_groups(Peers& peers, const WeightedItems& items, std::uint3
 }  // namespace
 
 std::vector<SubdomainId> graph_partition(Peers& peers, const WeightedItems& items, const ItemFaces& faces,
-                                         std::uint32_t num_subdomains, std::uint64_t most_in_graph) {
+                                         std::uint32_t num_subdomains, std::uint64_t most_in_graph,
+                                         const std::function<void()>& items_are_read) {
   const GroupLimits limits(partition::sum(peers, std::uint64_t{items.numbers.size()}), most_in_graph);
   const Bisected bisected = bisect_into_groups(peers, items, num_subdomains, limits);
-  const std::vector<std::vector<Traveller>> arrived = send_groups(peers, items, faces, bisected);
+  std::vector<std::vector<Traveller>> arrived = send_groups(peers, items, faces, bisected);
+  if (items_are_read) items_are_read();
   std::vector<std::vector<std::uint32_t>> parts(arrived.size());
-  agree_on(peers, [&] { parts = divide(arrived, bisected, limits); });
+  agree_on(peers, [&] { parts = divide(std::move(arrived), bisected, limits); });
   parts = partition::all_to_all(peers, std::move(parts));
 
   std::vector<std::uint32_t> first(bisected.sizes.size(), 0);

@@ -159,9 +159,9 @@ std::vector<double> reaches(Peers& peers, const MeshSlice& slice, const Ranges& 
   return reach;
 }
 
-/// Into the subdomains that have tets at first.
+/// Into the subdomains that have tets at first. Gives the measures' memory back.
 Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const Ranges& points,
-                              const TetMeasures& measures, const DecompositionOptions& options,
+                              TetMeasures&& measures, const DecompositionOptions& options,
                               std::uint32_t parts) {
   std::vector<double> work(slice.tets.size(), 1);
   if (!options.equal_tets) work = measures.work();
@@ -174,10 +174,11 @@ Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const Ranges
   const Items items{
       measures.centres,    measures.corners,      work, numbers, measures.cut_tensors, slice.tets,
       measures.face_areas, measures.complexities, along};
-  if (cut_at_once) return decompose(peers, items, parts, options.partitioner);
+  const auto items_are_read = [&] { measures = {}; };
+  if (cut_at_once) return decompose(peers, items, parts, options.partitioner, items_are_read);
   Partitioner partitioner = options.partitioner;
   if (partitioner.kind == Partitioner::Kind::pqr) partitioner = {};  // its slabs are those of the whole
-  return with_room_to_divide(peers, decompose(peers, items, parts, partitioner), work, parts,
+  return with_room_to_divide(peers, decompose(peers, items, parts, partitioner, items_are_read), work, parts,
                              options.num_subdomains);
 }
 

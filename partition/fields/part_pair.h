@@ -32,6 +32,7 @@ class PartPair final : public meshing::MeshPair {
     return nearby(way).carry(at_part);
   }
   bool widen(Way way, std::span<const double> distances) override;
+  void release_source(Way way) override { side(way).tets.reset(); }
 
   /// Of the source's vertices, in the whole mesh.
   const std::vector<std::uint64_t>& source_numbers(Way way) const { return nearby(way).numbers(); }

@@ -1,19 +1,24 @@
 // Slices become parts, the transfer is meshing's, and the result becomes slices again.
 #include "partition/fields/transfer_in_parts.h"
 
+#include "meshing/base/freed_memory.h"
 #include "partition/fields/by_components.h"
 #include "partition/fields/part_pair.h"
 
 namespace weft::partition {
 meshing::Transfer transfer_in_parts(Peers& peers, const MeshSlice& from, const meshing::SolutionData& fields,
                                     const MeshSlice& to, meshing::TransferMethod method,
-                                    const std::atomic<bool>* interrupt) {
+                                    const std::atomic<bool>* interrupt,
+                                    const std::function<void()>& slices_are_read) {
   PartPair meshes(peers, from, to, interrupt);
+  const std::size_t points = to.points.size();
   const meshing::SolutionData at_part =
       by_components(fields, meshes.old_mesh().mesh().points.size(),
                     [&](const auto& values) { return meshes.old_mesh().from_slices(values); });
+  if (slices_are_read) slices_are_read();
+  meshing::give_back_freed_memory();  // of tets on their way
   meshing::Transfer result = meshing::transfer(meshes, at_part, method);
-  result.fields = by_components(result.fields, to.points.size(),
+  result.fields = by_components(result.fields, points,
                                 [&](const auto& values) { return meshes.new_mesh().to_slices(values); });
   return result;
 }

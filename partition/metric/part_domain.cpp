@@ -69,14 +69,21 @@ void PartDomain::choose_owners(const MeshSlice& slice, const MortonShares& share
 PartDomain::TetLists PartDomain::first_ring(const MeshSlice& slice) const {
   const std::vector<std::uint32_t> vertices = used_numbers(slice.tets), owners = owners_of(vertices);
   const meshing::PlaceIndex place(vertices);
+  using Four = std::array<std::uint32_t, 4>;
+  const auto owners_at = [&](const Four& tet) {
+    return Four{owners[place(tet[0])], owners[place(tet[1])], owners[place(tet[2])], owners[place(tet[3])]};
+  };
+  const auto for_each_rank = [](const Four& of_tet, const auto& visit) {
+    for (auto at = of_tet.begin(); at != of_tet.end(); ++at)
+      if (std::find(of_tet.begin(), at, *at) == at) visit(*at);
+  };
   TetLists to_each(static_cast<std::size_t>(peers_.ranks()));
+  std::vector<std::size_t> counts(to_each.size(), 0);
+  for (const Four& tet : slice.tets) for_each_rank(owners_at(tet), [&](std::uint32_t r) { ++counts[r]; });
+  for (std::size_t r = 0; r < to_each.size(); ++r) to_each[r].reserve(counts[r]);
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
-    TetRecord record{slice.first_tet + t, slice.tets[t], {}};
-    for (std::size_t i = 0; i < 4; ++i) record.owners[i] = owners[place(record.vertices[i])];
-    for (std::size_t i = 0; i < 4; ++i)
-      if (std::find(record.owners.begin(), record.owners.begin() + i, record.owners[i]) ==
-          record.owners.begin() + i)
-        to_each[record.owners[i]].push_back(record);
+    const TetRecord record{slice.first_tet + t, slice.tets[t], owners_at(slice.tets[t])};
+    for_each_rank(record.owners, [&](std::uint32_t r) { to_each[r].push_back(record); });
   }
   return partition::all_to_all(peers_, std::move(to_each));
 }

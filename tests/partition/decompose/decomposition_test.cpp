@@ -378,18 +378,25 @@ TEST(Interfaces, FollowFacesAlongALayer) {
   }
 }
 
-/// By graph, in groups where there are more than `most` items. `most_bytes`: that a rank has got at once.
+/// By graph, in groups where there are more than `most` items, which are gone once they are read.
+/// `most_bytes`: that a rank has got at once.
 std::vector<SubdomainId> graph_parts(int ranks, const Whole& w, std::uint32_t n, std::uint64_t most,
                                      std::size_t* most_bytes = nullptr) {
   std::vector<SubdomainId> all(w.work.size());
   std::vector<std::size_t> bytes(static_cast<std::size_t>(ranks));
   support::run_ranks(ranks, [&](Peers& plain) {
     support::CountingPeers peers(plain);
-    const auto [mine, numbers] = dealt(peers, w);
+    auto [mine, numbers] = dealt(peers, w);
     const std::vector<std::uint64_t> weights = integer_weights(peers, mine.work);
+    int calls = 0;
+    const auto items_are_read = [&calls, &mine = mine] {
+      ++calls;
+      mine = {};
+    };
     const auto found =
         graph_partition(peers, {mine.centres, mine.corners, weights, numbers, mine.cut_tensors},
-                        {mine.vertices, mine.face_areas}, n, most);
+                        {mine.vertices, mine.face_areas}, n, most, items_are_read);
+    EXPECT_EQ(calls, 1);
     for (std::size_t k = 0; k < numbers.size(); ++k) all[numbers[k]] = found[k];
     bytes[static_cast<std::size_t>(peers.rank())] = peers.most;
   });

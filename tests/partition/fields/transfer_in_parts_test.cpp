@@ -57,14 +57,23 @@ SolutionData fields_on(const std::vector<Point>& points) {
   return fields;
 }
 
-/// The transfer on so many ranks with shares drawn by `seed`; values of the whole mesh, accounts of rank 0.
+/// The transfer on so many ranks with shares drawn by `seed`, which are gone as soon as they are read; values
+/// of the whole mesh, accounts of rank 0.
 Transfer on_ranks(int ranks, unsigned seed, const MeshData& from, const MeshData& to, TransferMethod method) {
   std::vector<Transfer> of_rank(static_cast<std::size_t>(ranks));
   support::run_ranks(ranks, [&](Peers& peers) {
-    const MeshSlice old_slice = support::slice_of({from, {}}, peers.rank(), ranks, seed);
-    const MeshSlice new_slice = support::slice_of({to, {}}, peers.rank(), ranks, seed + 1);
+    MeshSlice old_slice = support::slice_of({from, {}}, peers.rank(), ranks, seed);
+    MeshSlice new_slice = support::slice_of({to, {}}, peers.rank(), ranks, seed + 1);
+    SolutionData fields = fields_on(old_slice.points);
+    int calls = 0;
+    const auto slices_are_read = [&] {
+      ++calls;
+      old_slice = new_slice = {};
+      fields = {};
+    };
     of_rank[static_cast<std::size_t>(peers.rank())] =
-        transfer_in_parts(peers, old_slice, fields_on(old_slice.points), new_slice, method);
+        transfer_in_parts(peers, old_slice, fields, new_slice, method, nullptr, slices_are_read);
+    EXPECT_EQ(calls, 1);
   });
   Transfer whole = of_rank[0];
   for (int r = 1; r < ranks; ++r) {

@@ -13,6 +13,7 @@
 
 #include "engine/json/json.h"
 #include "meshing/base/error.h"
+#include "meshing/base/release.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/io/ugrid.h"
 #include "meshing/metric/measures.h"
@@ -181,14 +182,18 @@ class DistributedFileJob {
       fields_ = {};
       return;
     }
-    const partition::MeshSlice slice = partition::slice_of_pieces(run_.peers(), run_.pieces(), numbering);
+    partition::MeshSlice slice = partition::slice_of_pieces(run_.peers(), run_.pieces(), numbering);
+    const auto slices_are_read = [&] {
+      old_ = {};
+      meshing::release(slice.tets);
+      meshing::release(slice.tet_refs);
+    };
     meshing::Transfer result = naming(files_.input, [&] {
       return run_.on_threads([&] {
         return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer,
-                                            &run_.monitor().caller_waits());
+                                            &run_.monitor().caller_waits(), slices_are_read);
       });
     });
-    old_ = {};
     account_for_transfer(result, options_.transfer, files_.input, account_);
     fields_ = std::move(result.fields);
     piece_fields_ = partition::fields_of_pieces(run_.peers(), slice, numbering, fields_);

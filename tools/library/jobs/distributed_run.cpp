@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "meshing/base/freed_memory.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/partitioner.h"
@@ -264,8 +265,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
     method.on_plan = [&] { check_room("", report); };
     return on_threads([&] { return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method); });
   });
-  give_back_freed_memory();  // of messages and subdomains, of which malloc keeps much between what is still
-                             // there
+  meshing::give_back_freed_memory();  // of messages and subdomains
   table_.reset();
   if (options_.run.verify) on_threads([&] { partition::check_result(*peers_, result_.pieces); });
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());

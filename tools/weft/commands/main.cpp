@@ -18,7 +18,7 @@ namespace {
 void keep_no_freed_arrays() {
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   mallopt(M_TRIM_THRESHOLD, 1 << 22);
-  mallopt(M_TOP_PAD, 1 << 24);
+  mallopt(M_TOP_PAD, 1 << 22);
 }
 
 }  // namespace

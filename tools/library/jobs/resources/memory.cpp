@@ -12,10 +12,6 @@
 
 #include "meshing/metric/expectations.h"
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
-
 namespace weft::tools {
 namespace {
 
@@ -156,12 +152,6 @@ double peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) * 1024;
-}
-
-void give_back_freed_memory() {
-#ifdef __GLIBC__
-  malloc_trim(0);
-#endif
 }
 
 }  // namespace weft::tools

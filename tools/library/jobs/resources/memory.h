@@ -49,7 +49,4 @@ double resident_bytes();
 /// The most resident memory this process has had.
 double peak_memory_bytes();
 
-/// What has been freed goes back to the system, where the C library can do that.
-void give_back_freed_memory();
-
 }  // namespace weft::tools
