@@ -44,7 +44,7 @@ class WholeCommand:
         return "--threads", 1, "--simulate-ranks", ranks, "--simulate-network", network
 
     def start_seconds(self, ranks, subdomains, network):
-        text = self.run(f"start-{ranks}-{subdomains}-{network}", self.start, self.start_metric, subdomains,
+        text = self.run(f"start-{self.options.complexity * self.scale:g}-{ranks}-{subdomains}-{network}", self.start, self.start_metric, subdomains,
                         "--complexity", self.options.complexity * self.scale, *self.on_ranks(ranks, network))
         return float(re.search(r"^simulated: .*?: ([\d.e+-]+) s,", text, re.M).group(1))
 
@@ -55,13 +55,13 @@ class WholeCommand:
         return total - sum(before)
 
     def share_of_thread(self, threads):
-        one, two = (self.after_loop(f"threads-{n}", "--threads", n) for n in (1, 2))
+        one, two = (self.after_loop(f"threads-{n}-{self.subdomains}", "--threads", n) for n in (1, 2))
         serial = min(1.0, max(0.0, 2 * two / one - 1))
         return serial + (1 - serial) / threads
 
     def end_seconds(self, ranks, threads, network):
         measured_on = self.options.end_ranks if ranks > 1 else 1
-        seconds = self.after_loop(f"end-{measured_on}-{network}", *self.on_ranks(measured_on, network))
+        seconds = self.after_loop(f"end-{measured_on}-{self.subdomains}-{network}", *self.on_ranks(measured_on, network))
         return seconds * measured_on / self.tets_recorded * self.more_tets / ranks * self.share_of_thread(threads)
 
     def disk_seconds(self):

@@ -14,14 +14,20 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPartName = "libweft_simgrid.so";
 
-/// Beside the library or program that holds this code, where an installation has its libraries, and where a
-/// build has them.
-std::vector<fs::path> places() {
+/// The folder of the library or program that holds this code.
+fs::path own_folder() {
   Dl_info info;
+  if (dladdr(reinterpret_cast<void*>(&own_folder), &info) == 0 || !info.dli_fname) return {};
   std::error_code ignored;
-  fs::path own;
-  if (dladdr(reinterpret_cast<void*>(&places), &info) != 0 && info.dli_fname)
-    own = fs::weakly_canonical(info.dli_fname, ignored).parent_path();
+  return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
+}
+
+/// When this was loaded: a relative name means another file once the program has gone to another folder.
+const fs::path kOwnFolder = own_folder();
+
+/// Beside this code, where an installation has its libraries, and where a build has them.
+std::vector<fs::path> places() {
+  const fs::path& own = kOwnFolder;
   return {own / kPartName,
           own / "weft" / kPartName,
           own / "../lib" / kPartName,

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/base/virtual_time.h"
 #include "graph/adaptation/phase_plan.h"
 #include "graph/adaptation/resume.h"
 #include "meshing/base/error.h"
@@ -394,12 +395,14 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.home_ranks = options.resume.empty() ? peers.ranks() : options.resume[0].manifest.home_ranks;
   rank.geometry = d.geometry;
   rank.surface = std::make_shared<partition::SharedSurface>();
-  rank.freed = std::make_shared<FreedMemory>();
+  static FreedMemory freed;
+  if (!engine::VirtualTime::of_thread()) rank.freed = &freed;
   rank.interrupt = options.interrupt;
   rank.out_of_memory = options.out_of_memory;
   rank.news = options.news;
 
-  meshing::give_back_freed_memory();  // of the decomposition: subdomains' arrays do not lie where that did
+  // Of the decomposition: subdomains' arrays do not lie where that did.
+  if (rank.freed) meshing::give_back_freed_memory();
   if (options.on_plan) options.on_plan();
   if (options.on_start) options.on_start();
   const engine::TimePoint middle = engine::now();

@@ -6,8 +6,8 @@
 
 namespace weft::graph::adaptation {
 
-/// Parcels, backgrounds that have grown and subdomains that have left are freed between others that stay: the
-/// allocator would keep more than half as much as is in use.
+/// One of a process, as its allocator is: parcels, backgrounds that have grown and subdomains that have left
+/// are freed between others that stay: the allocator would keep more than half as much as is in use.
 class FreedMemory {
  public:
   /// Gives it back to the system, and the blocks that are kept for messages, unless that was done so lately

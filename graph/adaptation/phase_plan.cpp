@@ -72,7 +72,10 @@ std::uint32_t parts_at_first(const partition::InputMeasures& input, const PlanOp
   const double most = std::max(tets, tets_of(input.complexity, coarseness));
   if (options.partitioner.kind == partition::Partitioner::Kind::pqr)
     return most > options.tets_of_seed ? all : 1;  // it divides one mesh
-  const double parts = most / tets_of_seed(input.complexity, is_far, options);
+  // A seed has some of the input's tets, too.
+  const double parts =
+      std::max(most / options.tets_of_seed,
+               std::min(most / tets_of_seed(input.complexity, is_far, options), tets / kFewTets));
   return static_cast<std::uint32_t>(std::clamp(parts, 1.0, static_cast<double>(all)));
 }
 

@@ -265,7 +265,7 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, double c
   if (rank.news)  // to predict its work a mesh is looked at once more
     options.progress = [&](const std::string&, double done, std::uint64_t) { tell_done(rank, round, done); };
   rank.surface->share(subdomain_.surface);
-  rank.freed->give_back();
+  if (rank.freed) rank.freed->give_back();
   const meshing::AdaptReport report =
       partition::adapt_subdomain(subdomain_, rank.geometry->surface, limits, extent, options, before_level);
   if (interface) interface->check(subdomain_);

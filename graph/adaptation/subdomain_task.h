@@ -130,7 +130,7 @@ struct RankData {
   AdaptationPlan plan;
   std::shared_ptr<const partition::Geometry> geometry;
   std::shared_ptr<partition::SharedSurface> surface;  ///< the pieces that its subdomains have
-  std::shared_ptr<FreedMemory> freed;                 ///< of its subdomains
+  FreedMemory* freed = nullptr;                       ///< of its process; null where ranks take turns in one
   const std::atomic<bool>* interrupt = nullptr;       ///< when true, subdomains finish with what they have
   std::function<void()> out_of_memory;                ///< sets `interrupt`
   ProgressBoard* news = nullptr;  ///< where subdomains tell how far they are; null: nowhere

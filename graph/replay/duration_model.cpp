@@ -76,7 +76,7 @@ void DurationModel::fit(NodeIndex node, dataflow::NodeKind kind) {
 /// or jumps, of what was too coarse): 1/n of a volume meets such a surface with a probability that is n^(1/3)
 /// times 1/n of what would fill it, so that the mean square of its times, divided by the square of the mean,
 /// grows by n^(1/3) as far as it is uneven. The factor is log-normal, of mean 1; no part takes longer than
-/// the whole.
+/// the whole, which makes the mean a little less.
 engine::TimePoint DurationModel::draw(NodeIndex node, std::uint64_t round, const Drawn& instance,
                                       std::mt19937_64& random) const {
   const Samples& samples = samples_.at({node, round});

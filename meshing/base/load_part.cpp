@@ -10,6 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kOtherVersion = " is of another version of weft";
+
 /// The folder of the library or program that holds this code.
 fs::path own_folder() {
   Dl_info info;
@@ -18,10 +20,13 @@ fs::path own_folder() {
   return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
 }
 
+/// When this was loaded: a relative name means another file once the program has gone to another folder.
+const fs::path kOwnFolder = own_folder();
+
 /// Beside this code, where an installation has its libraries (which may be two folders up: those for some
 /// processors only lie in glibc-hwcaps/LEVEL), and where a build has them.
 std::array<fs::path, 6> folders() {
-  const fs::path own = own_folder();
+  const fs::path& own = kOwnFolder;
   return {own, own / "weft", own / "../lib", own / "../lib/weft", own / "../../weft", WEFT_PARTS_FOLDER};
 }
 
@@ -41,13 +46,14 @@ Part load_part(const char* file, const char* entry, int interface) {
     const auto function = reinterpret_cast<PartEntry>(dlsym(library, entry));
     part.offer = function ? function(interface) : nullptr;
     if (part.offer) return part;
-    part.reason = place.string() + " is of another version of weft";
+    part.reason = place.string() + kOtherVersion;
   }
   return part;
 }
 
 std::string missing_part_text(const Part& part, const char* file, const char* uses, const char* package) {
   if (part.reason.empty()) return std::string(file) + ", a part of weft, is missing: install weft again";
+  if (part.reason.ends_with(kOtherVersion)) return part.reason + ": install weft again";
   return std::string(uses) + " cannot be loaded (" + part.reason + "): install " + package +
          " (Debian, Ubuntu)";
 }

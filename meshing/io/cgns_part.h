@@ -25,6 +25,9 @@ struct CgnsPart {
 const CgnsPart& cgns_part(const std::filesystem::path& path);
 
 inline constexpr const char* kCgnsEntryName = "weft_cgns_part";
-inline constexpr int kCgnsInterface = 1;
+/// Sizes of what crosses are in it: a part of another version most often has others.
+inline constexpr int kCgnsInterface =
+    1 + static_cast<int>(1000 * sizeof(MeshContents) + 100 * sizeof(MeshData) + 10 * sizeof(WholeMesh) +
+                         sizeof(CgnsPart));
 
 }  // namespace weft::meshing

@@ -159,6 +159,10 @@ void bisect_at_homes(Peers& peers, const WeightedItems& items, const CutGroup& c
   const std::vector<int> homes = homes_of_groups(peers, b, cut);
   if (std::ranges::all_of(homes, [](int home) { return home < 0; })) return;
   std::vector<std::vector<HomeItem>> to_each(static_cast<std::size_t>(peers.ranks()));
+  std::vector<std::size_t> counts(to_each.size(), 0);
+  for (const std::uint32_t g : b.groups)
+    if (homes[g] >= 0) ++counts[homes[g]];
+  for (std::size_t r = 0; r < counts.size(); ++r) to_each[r].reserve(counts[r]);
   for (std::size_t i = 0; i < b.groups.size(); ++i)
     if (const int home = homes[b.groups[i]]; home >= 0)
       to_each[home].push_back({b.groups[i], items.weights[i], items.numbers[i], items.centres[i],
@@ -226,11 +230,13 @@ Bricks pqr_decomposition(Peers& peers, const WeightedItems& items, std::uint32_t
 }
 
 Bisected bisect(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains, const CutGroup& cut) {
-  if (peers.ranks() == 1) return bisect_together(peers, items, num_subdomains, cut);
   constexpr std::uint64_t kLeastAtHome = 500, kMostAtHome = 20'000;
+  // With more, exchanges do not count, and items on their way would take 400 bytes each.
+  constexpr std::uint64_t kMostOfRank = 100'000;
   const std::uint64_t all = partition::sum(peers, std::uint64_t{items.numbers.size()});
-  const std::uint64_t at_home =
-      std::clamp(all / static_cast<std::uint64_t>(peers.ranks()), kLeastAtHome, kMostAtHome);
+  const std::uint64_t share = all / static_cast<std::uint64_t>(peers.ranks());
+  if (peers.ranks() == 1 || share > kMostOfRank) return bisect_together(peers, items, num_subdomains, cut);
+  const std::uint64_t at_home = std::clamp(share, kLeastAtHome, kMostAtHome);
   Bisected b = bisect_together(peers, items, num_subdomains, [&](std::uint64_t count, std::uint32_t size) {
     return count > at_home && cut(count, size);
   });

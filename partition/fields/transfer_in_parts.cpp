@@ -1,7 +1,6 @@
 // Slices become parts, the transfer is meshing's, and the result becomes slices again.
 #include "partition/fields/transfer_in_parts.h"
 
-#include "meshing/base/freed_memory.h"
 #include "partition/fields/by_components.h"
 #include "partition/fields/part_pair.h"
 
@@ -16,7 +15,6 @@ meshing::Transfer transfer_in_parts(Peers& peers, const MeshSlice& from, const m
       by_components(fields, meshes.old_mesh().mesh().points.size(),
                     [&](const auto& values) { return meshes.old_mesh().from_slices(values); });
   if (slices_are_read) slices_are_read();
-  meshing::give_back_freed_memory();  // of tets on their way
   meshing::Transfer result = meshing::transfer(meshes, at_part, method);
   result.fields = by_components(result.fields, points,
                                 [&](const auto& values) { return meshes.new_mesh().to_slices(values); });

@@ -30,9 +30,9 @@ void GmfOutput::create(Peers& peers) {
 }
 
 void GmfOutput::write() {
-  meshing::PlacedBytes* const kept = file_.target().kept;
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   std::vector<meshing::PlacedBytes> of_thread(std::clamp<std::size_t>(parts_.size(), 1, threads));
+  meshing::PlacedBytes* const kept = of_thread.size() > 1 ? file_.target().kept : nullptr;
   meshing::for_each_large(of_thread.size(), [&](std::size_t k) {
     meshing::PartTarget target = file_.target();
     if (kept) target.kept = &of_thread[k];

@@ -262,8 +262,10 @@ class OtherCommands(Subdomains):
             self.assertEqual(self.files(), before)
 
     def test_what_is_wrong_with_arguments_is_told_once(self):
-        for words, code, said in ((("stat", "--bogus", "b.meshb"), 64, "See `weft stat --help`"), (("stats", "b.meshb"), 64, "no subcommand"),
-                                  ((), 64, "Usage: weft"), (("--version",), 0, "compiler"), (("stat", "--help"), 0, "Usage: weft stat")):
+        self.box(1)
+        for words, code, said in ((("stat", "--bogus", "b.meshb"), 64, "See `weft stat --help`"), ((), 64, "Usage: weft"),
+                                  (("stat", "box.meshb", "--histogram"), 64, "See `weft stat --help`"),
+                                  (("adapt", "box.meshb", "-o", "o.meshb"), 64, "See `weft adapt --help`"), (("stat", "--help"), 0, "Usage: weft stat")):
             done = self.command_on(3, *words, expect=code)
             self.assertEqual((done.stdout + done.stderr).count(said), 1, done.stdout + done.stderr)
 

@@ -8,6 +8,7 @@
 #include "engine/run/runtime.h"
 #include "graph/adaptation/engine_peers.h"
 #include "meshing/base/error.h"
+#include "meshing/base/release.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/point_limit.h"
 #include "partition/communication/reduce.h"
@@ -80,16 +81,23 @@ partition::MeshSlice background_of(partition::Peers& peers, const Part& part, co
   });
 }
 
-void carry_fields(tools::DistributedRun& run, const partition::MeshSlice& old, const Fields& fields,
+/// Gives the memory of the slices back.
+void carry_fields(tools::DistributedRun& run, partition::MeshSlice&& old, const Fields& fields,
                   TransferMethod method, PartResult& result) {
   const partition::Numbering numbering = partition::number_pieces(run.peers(), run.pieces());
   if (const std::string issue = partition::too_many_points(numbering.totals.points); !issue.empty()) {
     result.warnings.push_back("fields are not carried to the result: " + issue);  // it is not lost with them
     return;
   }
-  const partition::MeshSlice slice = partition::slice_of_pieces(run.peers(), run.pieces(), numbering);
-  Transfer transfer =
-      partition::transfer_in_parts(run.peers(), old, fields, slice, method, &run.monitor().caller_waits());
+  partition::MeshSlice slice = partition::slice_of_pieces(run.peers(), run.pieces(), numbering);
+  const auto slices_are_read = [&] {
+    old = {};
+    meshing::release(slice.tets);
+    meshing::release(slice.tet_refs);
+    run.give_back_freed_memory();
+  };
+  Transfer transfer = partition::transfer_in_parts(run.peers(), old, fields, slice, method,
+                                                   &run.monitor().caller_waits(), slices_are_read);
   result.part.fields = tools::fields_at(run.peers(), slice, transfer.fields, result.part.ids);
   tools::account_for_transfer(transfer, method, "", result);
 }
@@ -122,11 +130,13 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
   watch.lap();
   if (options.run.measure) run.measure(result);
   result.times.measure = watch.lap();
-  tools::PartWithMetric out = tools::part_of_pieces(run.peers(), run.pieces(), options.distributed.ghosts);
-  result.part = std::move(out.part);
-  result.metric = std::move(out.metric);
-  result.times.write = watch.lap();
-  if (!fields.fields.empty()) carry_fields(run, old, fields, options.transfer, result);
+  run.on_threads([&] {
+    tools::PartWithMetric out = tools::part_of_pieces(run.peers(), run.pieces(), options.distributed.ghosts);
+    result.part = std::move(out.part);
+    result.metric = std::move(out.metric);
+    result.times.write = watch.lap();
+    if (!fields.fields.empty()) carry_fields(run, std::move(old), fields, options.transfer, result);
+  });
   result.times.fields = watch.lap();
   result.times.total = total.lap();
   result.peak_memory = partition::max(run.peers(), tools::peak_memory_bytes());

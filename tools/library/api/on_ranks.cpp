@@ -76,7 +76,8 @@ void add_metric(Peers& peers, const MetricOptions& options, const std::string& m
 
 void check_output(Peers& peers, const std::string& output) {
   partition::agree_on(peers, [&] {
-    if (peers.rank() == 0) tools::check_writable(output);
+    if (peers.rank() == 0) return tools::check_writable(output);
+    meshing::require_part(output);  // on any host
   });
 }
 

@@ -103,7 +103,7 @@ class DistributedFileJob {
   void agree_on_outputs() {
     std::string option, reason;
     partition::agree_on(run_.peers(), [&] {
-      if (!run_.first()) return;
+      if (!run_.first()) return meshing::require_part(account_.outputs.mesh);  // on any host
       try {
         check_outputs(files_, options_, account_.outputs);
       } catch (const OptionError& error) {
@@ -169,8 +169,10 @@ class DistributedFileJob {
   }
 
   void carry_and_write() {
-    if (!files_.fields.empty()) carry_fields();
-    write();
+    run_.on_threads([&] {
+      if (!files_.fields.empty()) carry_fields();
+      write();
+    });
   }
 
   void carry_fields() {
@@ -187,12 +189,11 @@ class DistributedFileJob {
       old_ = {};
       meshing::release(slice.tets);
       meshing::release(slice.tet_refs);
+      run_.give_back_freed_memory();
     };
     meshing::Transfer result = naming(files_.input, [&] {
-      return run_.on_threads([&] {
-        return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer,
-                                            &run_.monitor().caller_waits(), slices_are_read);
-      });
+      return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer,
+                                          &run_.monitor().caller_waits(), slices_are_read);
     });
     account_for_transfer(result, options_.transfer, files_.input, account_);
     fields_ = std::move(result.fields);
@@ -209,10 +210,8 @@ class DistributedFileJob {
     } else if (mesh.extension() == ".pvtu") {
       partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), mesh, piece_fields_);
     } else {
-      run_.on_threads([&] {
-        partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_, 0,
-                                names_, piece_fields_);
-      });
+      partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_, 0,
+                              names_, piece_fields_);
       if (run_.first()) copy_names();
     }
     account_.times.write = watch_.lap();
@@ -312,11 +311,14 @@ FilesResult adapt_files_on_simulated_ranks(const Files& files, const Options& op
                                            engine::SimulationResult& simulated) {
   FilesResult result;
   telling(true, [&] {
-    simulated = on_simulated_ranks(simulation, [&](engine::Transport& transport) {
-      const Options mine = options_of_simulated(options, transport.rank());
-      FilesResult of_rank = DistributedFileJob(files, mine, transport).run();
-      if (transport.rank().value == 0) result = std::move(of_rank);
-    });
+    const auto simulate = [&] {
+      return on_simulated_ranks(simulation, [&](engine::Transport& transport) {
+        const Options mine = options_of_simulated(options, transport.rank());
+        FilesResult of_rank = DistributedFileJob(files, mine, transport).run();
+        if (transport.rank().value == 0) result = std::move(of_rank);
+      });
+    };
+    simulated = with_threads(1, simulate);  // what other threads did would cost a rank nothing
   });
   return result;
 }

@@ -265,7 +265,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
     method.on_plan = [&] { check_room("", report); };
     return on_threads([&] { return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method); });
   });
-  meshing::give_back_freed_memory();  // of messages and subdomains
+  give_back_freed_memory();  // of messages and subdomains
   table_.reset();
   if (options_.run.verify) on_threads([&] { partition::check_result(*peers_, result_.pieces); });
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());
@@ -359,8 +359,12 @@ void DistributedRun::measure(Report& report) {
   report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by, report.model.get());
 }
 
+void DistributedRun::give_back_freed_memory() const {
+  if (!shares_its_thread_) meshing::give_back_freed_memory();
+}
+
 void DistributedRun::count(Report& report) {
-  const auto totals = partition::number_pieces(*peers_, result_.pieces).totals;
+  const auto totals = on_threads([&] { return partition::number_pieces(*peers_, result_.pieces).totals; });
   report.output_counts = {totals.points, totals.tets, totals.triangles, totals.edges};
 }
 

@@ -49,6 +49,9 @@ class DistributedRun {
     return with_threads(threads_, work);
   }
 
+  /// What has been freed goes back to the system, unless other ranks are in this process.
+  void give_back_freed_memory() const;
+
   /// Reads the CAD model that the options name, on every rank. `mesh` of
   /// rank 0 may carry it; errors call it `name`. To be called before adapt(). Throws on all ranks where one
   /// fails.

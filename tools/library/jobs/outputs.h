@@ -18,7 +18,7 @@ struct OutputPaths {
 };
 OutputPaths output_paths(const std::string& mesh);
 
-/// Throws InputError unless a file can be created at `path`, and what writes its format is there.
+/// Throws InputError unless a file can be created at `path`, and what writes a mesh format is there.
 void check_writable(const std::string& path);
 /// Creates the folder and its parents; throws InputError when that fails.
 void make_folder(const std::string& path);

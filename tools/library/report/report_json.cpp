@@ -54,13 +54,8 @@ Json json_of(const meshing::StageReport& stage) {
 }
 
 Json json_of(const StageTimes& times) {
-  return {{"read", times.read},
-          {"metric", times.metric},
-          {"adapt", times.adapt},
-          {"measure", times.measure},
-          {"measure_input", times.measure_input},
-          {"fields", times.fields},
-          {"write", times.write},
+  return {{"read", times.read},       {"metric", times.metric}, {"adapt", times.adapt},
+          {"measure", times.measure}, {"fields", times.fields}, {"write", times.write},
           {"total", times.total}};
 }
 
@@ -230,6 +225,7 @@ Json json_of(const RunResult& run) {
       {"surface_demands", json_of(run.surface_demands)},
       {"model", run.model ? json_of(*run.model) : Json(nullptr)},
       {"seconds", json_of(run.times)},
+      {"measure_input_seconds", run.times.measure_input},
       {"peak_memory_bytes", run.peak_memory},
       {"threads", run.threads},
       {"warnings", run.warnings}};

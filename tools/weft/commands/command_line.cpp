@@ -40,11 +40,10 @@ constexpr const char* kHelpData = "--help-data";
 /// mpirun ends all ranks when one has ended with an error: the one that says why gets a moment for its words.
 void wait_for_words() { std::this_thread::sleep_for(std::chrono::milliseconds(300)); }
 
-/// Ranks have the same arguments: what is wrong with them is said by the first, while the others wait.
-bool says_it() {
-  if (place_on_ranks().rank == 0) return true;
-  wait_for_words();
-  return false;
+/// Before an error of arguments is told. Ranks have the same ones: the first tells it, and its end ends the
+/// others, unless it has no error.
+void let_first_speak() {
+  if (place_on_ranks().rank != 0) std::this_thread::sleep_for(std::chrono::seconds(5));
 }
 
 std::vector<std::string> subcommand_names(const CLI::App& app) {
@@ -59,23 +58,18 @@ bool report_unknown_subcommand(const CLI::App& app, const std::vector<std::strin
   const std::vector<std::string> names = subcommand_names(app);
   if (arguments[0].starts_with("-")) return false;
   if (std::find(names.begin(), names.end(), arguments[0]) != names.end()) return false;
-  if (!says_it()) return true;
   const std::string closest = closest_word(arguments[0], names);
   const std::string hint = closest.empty() ? "see `weft --help`" : "did you mean `weft " + closest + "`?";
   fmt::print(stderr, "weft: no subcommand '{}': {}\n", arguments[0], hint);
   return true;
 }
 
-/// Help and versions are asked for by a "parse error", too.
-int exit_code_of(const CLI::ParseError& error) {
-  return error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success) ? kDone : kUsage;
-}
-
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
-  if (exit_code_of(error) == kDone) {
-    app.exit(error);
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {  // --help, --version
+    if (place_on_ranks().rank == 0) app.exit(error);
     return kDone;
   }
+  let_first_speak();
   std::string command = "weft";
   for (const CLI::App* at = &app; !at->get_subcommands().empty();) {
     at = at->get_subcommands().front();
@@ -137,7 +131,8 @@ int run_command_line(const std::vector<std::string>& arguments) {
   add_loop_command(app, action);
   if (!arguments.empty() && is_done_by_first(arguments[0]) && place_on_ranks().rank != 0) return kDone;
   if (arguments.empty()) {
-    if (says_it()) fmt::print(stderr, "{}", app.help());
+    let_first_speak();
+    fmt::print(stderr, "{}", app.help());
     return kUsage;
   }
   if (arguments == std::vector<std::string>{kHelpData}) {
@@ -149,10 +144,6 @@ int run_command_line(const std::vector<std::string>& arguments) {
     std::vector<std::string> reversed = translate_aliases(arguments);
     std::reverse(reversed.begin(), reversed.end());  // the order that CLI11 takes a vector in
     app.parse(std::move(reversed));
-  } catch (const CLI::ParseError& error) {
-    return says_it() ? report_parse_error(app, error) : exit_code_of(error);
-  }
-  try {
     if (is_done_by_first(arguments[0]) && place_on_ranks().ranks > 1 && arguments[0] != "loop")
       fmt::print(stderr, "{}", done_by_first(arguments[0]));
     return run_action(action);
