@@ -8,17 +8,18 @@
 
 #include "tools/weft/commands/command_line.h"
 #include "tools/weft/terminal/exit_codes.h"
+#include "weft/on_ranks.h"
 
 namespace {
 
 /// Freed arrays go back to the system at once. By itself glibc keeps up to 32 MiB of each size that it has
 /// seen, and a rank of a run in subdomains, which has many such arrays one after the other, twice what it
 /// needs. What lies at the end of the heap stays, up to a size that is little beside a run's: else it goes
-/// and comes back, page by page, with each of the small arrays.
+/// and comes back, page by page, with each of the small arrays. Of many ranks each has a little.
 void keep_no_freed_arrays() {
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   mallopt(M_TRIM_THRESHOLD, 1 << 22);
-  mallopt(M_TOP_PAD, 1 << 22);
+  mallopt(M_TOP_PAD, weft::place_on_ranks().ranks > 1 ? 1 << 22 : 1 << 24);
 }
 
 }  // namespace
