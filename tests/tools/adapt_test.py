@@ -11,7 +11,7 @@ from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, WEFT, CommandT
 REPORT_KEYS = {
     "schema", "version", "arguments", "input", "output", "target_complexity", "asked_complexity", "predicted", "goal_met", "goals_missed",
     "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "checkpoints", "subdomains", "fields", "surface_deviation", "surface_limit", "surface_demands", "hausd", "model",
-    "seconds", "peak_memory_bytes", "threads", "warnings",
+    "seconds", "measure_input_seconds", "peak_memory_bytes", "threads", "warnings",
 }
 
 
