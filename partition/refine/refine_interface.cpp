@@ -53,9 +53,9 @@ std::vector<VertexId> places_of(const RefinedVertices& vertices, const Subdomain
   return places;
 }
 
-/// Calls f(vertices, by id) for each face beyond which a neighbour has the tet.
-template <class F>
-void for_each_interface_face(const Subdomain& s, const Geometry& geometry, F f) {
+/// Whether is_so(vertices) is true of a face beyond which a neighbour has the tet; ends with the first.
+template <class IsSo>
+bool any_interface_face(const Subdomain& s, const Geometry& geometry, IsSo is_so) {
   const TetMesh& mesh = *s.mesh;
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
     const TetId t(i);
@@ -66,10 +66,20 @@ void for_each_interface_face(const Subdomain& s, const Geometry& geometry, F f) 
       if (patch.valid() && !geometry.patch_inner[patch.value]) continue;
       std::array<VertexId, 3> v;
       for (std::size_t c = 0; c < 3; ++c) v[c] = mesh.vertex(t, meshing::kTetFaces[k][c]);
-      std::ranges::sort(v, {}, [&](VertexId x) { return mesh.label(x); });
-      f(v);
+      if (is_so(v)) return true;
     }
   }
+  return false;
+}
+
+/// Calls f(vertices, by id) for each of these faces.
+template <class F>
+void for_each_interface_face(const Subdomain& s, const Geometry& geometry, F f) {
+  any_interface_face(s, geometry, [&](std::array<VertexId, 3> v) {
+    std::ranges::sort(v, {}, [&](VertexId x) { return s.mesh->label(x); });
+    f(v);
+    return false;
+  });
 }
 
 /// What neighbours compare of the interface's faces. Every vertex is in several of them: its bits are hashed
@@ -345,15 +355,13 @@ bool may_have_longer_edge(const Subdomain& s, const Geometry& geometry, double l
   constexpr double kSurely = 1 - 1e-9;  // a length lies between those by the metrics of both ends
   const double most = kSurely * longest * longest;
   const TetMesh& mesh = *s.mesh;
-  bool may_have = false;
-  for_each_interface_face(s, geometry, [&](const std::array<VertexId, 3>& v) {
-    for (std::size_t i = 0; i < 3 && !may_have; ++i) {
-      const VertexId a = v[i], b = v[(i + 1) % 3];
-      const Vec d = mesh.point(b) - mesh.point(a);
-      may_have = !(squared_length(mesh.metric(a), d) <= most && squared_length(mesh.metric(b), d) <= most);
-    }
+  const auto may_be_longer = [&](VertexId a, VertexId b) {
+    const Vec d = mesh.point(b) - mesh.point(a);
+    return !(squared_length(mesh.metric(a), d) <= most && squared_length(mesh.metric(b), d) <= most);
+  };
+  return any_interface_face(s, geometry, [&](const std::array<VertexId, 3>& v) {
+    return may_be_longer(v[0], v[1]) || may_be_longer(v[1], v[2]) || may_be_longer(v[2], v[0]);
   });
-  return may_have;
 }
 
 }  // namespace

@@ -8,12 +8,10 @@
 #include "engine/run/runtime.h"
 #include "graph/adaptation/engine_peers.h"
 #include "meshing/base/error.h"
-#include "meshing/base/release.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/point_limit.h"
 #include "partition/communication/reduce.h"
 #include "partition/fields/piece_slices.h"
-#include "partition/fields/transfer_in_parts.h"
 #include "partition/output/numbering.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_run.h"
@@ -81,7 +79,6 @@ partition::MeshSlice background_of(partition::Peers& peers, const Part& part, co
   });
 }
 
-/// Gives the memory of the slices back.
 void carry_fields(tools::DistributedRun& run, partition::MeshSlice&& old, const Fields& fields,
                   TransferMethod method, PartResult& result) {
   const partition::Numbering numbering = partition::number_pieces(run.peers(), run.pieces());
@@ -90,14 +87,7 @@ void carry_fields(tools::DistributedRun& run, partition::MeshSlice&& old, const 
     return;
   }
   partition::MeshSlice slice = partition::slice_of_pieces(run.peers(), run.pieces(), numbering);
-  const auto slices_are_read = [&] {
-    old = {};
-    meshing::release(slice.tets);
-    meshing::release(slice.tet_refs);
-    run.give_back_freed_memory();
-  };
-  Transfer transfer = partition::transfer_in_parts(run.peers(), old, fields, slice, method,
-                                                   &run.monitor().caller_waits(), slices_are_read);
+  Transfer transfer = run.carry(std::move(old), fields, slice);
   result.part.fields = tools::fields_at(run.peers(), slice, transfer.fields, result.part.ids);
   tools::account_for_transfer(transfer, method, "", result);
 }

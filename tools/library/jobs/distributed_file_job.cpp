@@ -13,7 +13,6 @@
 
 #include "engine/json/json.h"
 #include "meshing/base/error.h"
-#include "meshing/base/release.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/io/ugrid.h"
 #include "meshing/metric/measures.h"
@@ -22,7 +21,6 @@
 #include "partition/communication/reduce.h"
 #include "partition/fields/measure_slices.h"
 #include "partition/fields/piece_slices.h"
-#include "partition/fields/transfer_in_parts.h"
 #include "partition/output/merge_pieces.h"
 #include "partition/output/numbering.h"
 #include "partition/output/output.h"
@@ -185,16 +183,8 @@ class DistributedFileJob {
       return;
     }
     partition::MeshSlice slice = partition::slice_of_pieces(run_.peers(), run_.pieces(), numbering);
-    const auto slices_are_read = [&] {
-      old_ = {};
-      meshing::release(slice.tets);
-      meshing::release(slice.tet_refs);
-      run_.give_back_freed_memory();
-    };
-    meshing::Transfer result = naming(files_.input, [&] {
-      return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer,
-                                          &run_.monitor().caller_waits(), slices_are_read);
-    });
+    meshing::Transfer result =
+        naming(files_.input, [&] { return run_.carry(std::move(old_), fields_, slice); });
     account_for_transfer(result, options_.transfer, files_.input, account_);
     fields_ = std::move(result.fields);
     piece_fields_ = partition::fields_of_pieces(run_.peers(), slice, numbering, fields_);

@@ -14,9 +14,11 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/freed_memory.h"
+#include "meshing/base/release.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/partitioner.h"
+#include "partition/fields/transfer_in_parts.h"
 #include "partition/output/measure_pieces.h"
 #include "partition/output/numbering.h"
 #include "partition/output/sum_on_model.h"
@@ -361,6 +363,18 @@ void DistributedRun::measure(Report& report) {
 
 void DistributedRun::give_back_freed_memory() const {
   if (!shares_its_thread_) meshing::give_back_freed_memory();
+}
+
+meshing::Transfer DistributedRun::carry(partition::MeshSlice&& from, const meshing::SolutionData& fields,
+                                        partition::MeshSlice& to) {
+  const auto slices_are_read = [&] {
+    from = {};
+    meshing::release(to.tets);
+    meshing::release(to.tet_refs);
+    give_back_freed_memory();
+  };
+  return partition::transfer_in_parts(*peers_, from, fields, to, options_.transfer, &monitor_.caller_waits(),
+                                      slices_are_read);
 }
 
 void DistributedRun::count(Report& report) {

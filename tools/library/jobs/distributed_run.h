@@ -11,6 +11,7 @@
 #include "engine/run/show_state_on_signal.h"
 #include "graph/adaptation/distributed_adaptation.h"
 #include "graph/dataflow/rank_exchange.h"
+#include "meshing/fields/transfer.h"
 #include "partition/slice/mesh_slice.h"
 #include "tools/library/jobs/monitor.h"
 #include "tools/library/jobs/resources/threads.h"
@@ -49,9 +50,6 @@ class DistributedRun {
     return with_threads(threads_, work);
   }
 
-  /// What has been freed goes back to the system, unless other ranks are in this process.
-  void give_back_freed_memory() const;
-
   /// Reads the CAD model that the options name, on every rank. `mesh` of
   /// rank 0 may carry it; errors call it `name`. To be called before adapt(). Throws on all ranks where one
   /// fails.
@@ -60,6 +58,10 @@ class DistributedRun {
   /// of another mesh that has the metric, with which nothing is to be done any more; null: the mesh has it.
   void adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name, Report& report,
              partition::MeshSlice* background = nullptr);
+  /// Carries fields at the points of the slices of `from` to those of `to`, which are the result's. Gives the
+  /// memory of `from` and of the tets of `to` back.
+  meshing::Transfer carry(partition::MeshSlice&& from, const meshing::SolutionData& fields,
+                          partition::MeshSlice& to);
   /// Fills the measures of the result, and what they say of the goal.
   void measure(Report& report);
   /// Fills the numbers of its entities alone.
@@ -74,6 +76,8 @@ class DistributedRun {
   void gather_machines();
 
  private:
+  /// What has been freed goes back to the system, unless other ranks are in this process.
+  void give_back_freed_memory() const;
   engine::Bulletins bulletins();
   std::string name_of(engine::ObjectId id) const;
   std::uint32_t number_of_subdomains();
