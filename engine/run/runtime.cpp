@@ -121,12 +121,7 @@ class Runtime::Implementation final : private BalanceActions {
   std::vector<ReadyObject> ready_objects() const override { return scheduler_.ready_objects(); }
   double load_of(Rank rank) const override { return exchange_.load_of(rank); }
   Rank most_loaded() const override { return exchange_.most_loaded(); }
-  std::optional<double> move_seconds() const override {
-    constexpr double kOfPacking = 3e-9;  // it is packed, sent and unpacked
-    const TimeCount& packing = trace_.communication_lane().time(Activity::pack);
-    if (packing.count == 0) return std::nullopt;
-    return kOfPacking * static_cast<double>(packing.total) / static_cast<double>(packing.count);
-  }
+  std::optional<double> move_seconds() const override { return scheduler_.move_seconds(); }
   void move(ObjectId id, Rank to) override { scheduler_.move(id, to); }
   void tell(Rank to, const BalanceMessage& message) override {
     exchange_.post(to, FrameKind::balance, packed(message));

@@ -517,12 +517,7 @@ void Scheduler::handle_ready(Lane& lane, bool& busy) {
     busy = true;
     lock.unlock();
     consume(task);
-    TimePoint begin = now();
-    if (cell.packed && unpack_object(cell, task)) {
-      const TimePoint unpacked = now();
-      lane.span({begin, unpacked, cell.id, Span::kNoName, Activity::unpack, 0});
-      begin = unpacked;
-    }
+    const TimePoint begin = unpack_if_packed(cell, task, lane);
     handle(cell, task);
     const TimePoint end = now();
     lock.lock();
@@ -554,13 +549,22 @@ void Scheduler::handler_failed(const Cell& cell, const Task& task) {
   fail(text(describe(cell, task), ": ", what));
 }
 
-bool Scheduler::unpack_object(Cell& cell, const Task& task) {
-  return guard(cell, task, [&] {
+/// Returns when the handler begins.
+TimePoint Scheduler::unpack_if_packed(Cell& cell, const Task& task, Lane& lane) {
+  const TimePoint begin = now();
+  if (!cell.packed) return begin;
+  const bool done = guard(cell, task, [&] {
     Payload packed = std::move(*cell.packed);
     cell.packed.reset();
     if (options_.virtual_time) options_.virtual_time->copied(packed.size());
     cell.object = cell.type->unpack(std::move(packed));
   });
+  if (!done) return begin;
+  const TimePoint end = now();
+  lane.span({begin, end, cell.id, Span::kNoName, Activity::unpack, 0});
+  const Lock lock(mutex_);
+  unpacking_.add(end - begin);
+  return end;
 }
 
 void Scheduler::handle(Cell& cell, Task& task) {
@@ -651,6 +655,19 @@ int Scheduler::idle_workers() const {
 Load Scheduler::load() const {
   const Lock lock(mutex_);
   return {options_.threads, busy_, ready_.size(), std::max(0.0, queued_seconds_), handled_};
+}
+
+/// What it takes here stands for what it takes elsewhere: ranks have objects alike.
+std::optional<double> Scheduler::move_seconds() const {
+  // An array that leaves is handed over as it is; where it comes to it is copied into fresh memory.
+  constexpr double kUnpackingOfPacking = 6;
+  const auto mean = [](const TimeCount& time) {
+    return 1e-9 * static_cast<double>(time.total) / static_cast<double>(time.count);
+  };
+  const TimeCount& packing = trace_.communication_lane().time(Activity::pack);
+  if (packing.count == 0) return std::nullopt;
+  const Lock lock(mutex_);
+  return mean(packing) + (unpacking_.count > 0 ? mean(unpacking_) : kUnpackingOfPacking * mean(packing));
 }
 
 /// Not those that are only to be copied: nothing is counted that makes them ready, so that the run may end

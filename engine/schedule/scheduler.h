@@ -84,6 +84,8 @@ class Scheduler {
 
   Load load() const;
   std::vector<ReadyObject> ready_objects() const;
+  /// What moving an object takes the ranks; nothing until one has left.
+  std::optional<double> move_seconds() const;
   std::vector<ObjectId> take_finished();
   /// The communication thread is woken whenever objects wait for a worker.
   void wake_when_ready(bool on);
@@ -190,7 +192,7 @@ class Scheduler {
     }
   }
   void handler_failed(const Cell& cell, const Task& task);
-  bool unpack_object(Cell& cell, const Task& task);
+  TimePoint unpack_if_packed(Cell& cell, const Task& task, Lane& lane);
   void handle(Cell& cell, Task& task);
   void leave(Cell& cell, std::uint64_t to);
   std::unique_ptr<Cell> finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end, Lane& lane);
@@ -231,6 +233,7 @@ class Scheduler {
   std::uint64_t moved_in_ = 0;
   std::uint64_t moved_out_ = 0;
   std::uint64_t handled_ = 0;
+  TimeCount unpacking_;        ///< of objects that have come
   std::uint64_t waiting_ = 0;  ///< objects that wait for an event or hold messages
   std::uint64_t epoch_ = 0;    ///< of the latest snapshot that this rank has heard of
   bool collecting_ = false;    ///< it goes on

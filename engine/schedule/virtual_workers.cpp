@@ -80,11 +80,7 @@ void Scheduler::begin(VirtualRun& run, Lane& lane) {
 void Scheduler::run_virtually(VirtualRun& run, Lane& lane) {
   sender_ = &run;
   const TimePoint took = options_.virtual_time->run_handler([&] {
-    if (run.cell->packed && unpack_object(*run.cell, run.task)) {
-      const TimePoint unpacked = now();
-      lane.span({run.begin, unpacked, run.cell->id, Span::kNoName, Activity::unpack, 0});
-      run.begin = unpacked;
-    }
+    run.begin = unpack_if_packed(*run.cell, run.task, lane);
     handle(*run.cell, run.task);
   });
   sender_ = nullptr;

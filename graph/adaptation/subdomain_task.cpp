@@ -17,8 +17,9 @@ using partition::SubdomainId;
 
 namespace {
 
-/// Of the tets of a subdomain, those that a shift brings and makes worth looking at.
-constexpr double kShareShifted = 0.3;
+/// Of the tets of a subdomain, those that a shift of all its interface brings and makes worth looking at; and
+/// what joining parcels without tets takes, as a share of adapting all.
+constexpr double kShareShifted = 0.3, kShareWithoutShift = 0.01;
 
 template <class Value>
 std::vector<Value> values_of(std::vector<Arrival<Value>>& arrivals) {
@@ -336,12 +337,12 @@ void SubdomainTask::propose(NodeContext& context, BeginShift) {
   context.count("vertices wanted", static_cast<double>(wants_.size()));
 }
 
-/// The wanted share of the interface, at most 1: what is wanted on both sides counts twice.
-double SubdomainTask::share_wanted(std::span<const partition::Proposal> proposals) const {
-  std::size_t wanted = wants_.size();
-  for (const partition::Proposal& p : proposals) wanted += p.wants.size();
-  const std::size_t all = std::max<std::size_t>(subdomain_.interface.size(), 1);
-  return std::min(1.0, static_cast<double>(wanted) / static_cast<double>(all));
+/// What scattering and adapting take in a round that brings it the tets around so many vertices of its
+/// interface. Most subdomains that give receive nothing, and are not worth moving to another rank.
+engine::Seconds SubdomainTask::seconds_to_adapt_shifted(double tets, std::size_t vertices_received) const {
+  const double share = static_cast<double>(vertices_received) /
+                       static_cast<double>(std::max<std::size_t>(subdomain_.interface.size(), 1));
+  return seconds_to_adapt((kShareWithoutShift + kShareShifted * share) * tets);
 }
 
 std::optional<BeginShift> SubdomainTask::wake(NodeContext&, std::uint64_t round) {
@@ -358,6 +359,9 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
   for (const partition::Proposal& p : proposals) neighbourhood_wants_ |= !p.wants.empty();
   const std::vector<Ref> to = neighbours(context);
   const RankData& rank = rank_data(context);
+  const partition::ReceiverOrder order(priority_, partition::priorities_of(proposals));
+  const engine::Seconds next = seconds_to_adapt_shifted(
+      tets_after(rank, round), vertices_received(subdomain_, order, wants_, proposals));
   std::vector<partition::Parcel> parcels = partition::gather(
       subdomain_, priority_, wants_, proposals, rank.plan.shift.in_round(rank.plan.shift_of(round)));
   ShiftRecord record;
@@ -368,10 +372,8 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
     context.send<&SubdomainTask::scatter>(to[i], round, std::move(parcels[i]));
   }
   shifts_.push_back(record);
-  context.expect<&SubdomainTask::scatter>(
-      round, to, seconds_to_adapt(kShareShifted * share_wanted(proposals) * tets_after(rank, round)));
+  context.expect<&SubdomainTask::scatter>(round, to, next);
   context.count("tets sent", static_cast<double>(record.sent));
-  const partition::ReceiverOrder order(priority_, partition::priorities_of(proposals));
   context.count("colour", static_cast<double>(order.above_self()));
 }
 

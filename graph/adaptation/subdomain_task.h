@@ -203,7 +203,7 @@ class SubdomainTask {
   bool is_unfit_to_divide(const AdaptationPlan& plan, std::uint64_t round) const;
   double tets_after(const RankData& rank, std::uint64_t round) const;
   void tell_done(const RankData& rank, std::uint64_t round, double done);
-  double share_wanted(std::span<const partition::Proposal> proposals) const;
+  engine::Seconds seconds_to_adapt_shifted(double tets, std::size_t vertices_received) const;
   partition::Priority priority_in(const AdaptationPlan& plan, std::uint64_t round) const;
   void tell_log_what_is_left(dataflow::NodeContext& context);
 

@@ -84,6 +84,21 @@ std::vector<Proposal> propose(const Subdomain& s, const Priority& mine, std::spa
   return proposals;
 }
 
+std::size_t vertices_received(const Subdomain& s, const ReceiverOrder& order,
+                              std::span<const GlobalId> wanted, std::span<const Proposal> proposals) {
+  std::vector<std::uint8_t> received(s.interface.size(), 0);  // several may want the same one
+  const auto note = [&](std::span<const GlobalId> ids) {
+    std::uint32_t i = 0;
+    for (const GlobalId id : ids) {  // both are sorted
+      while (s.interface.id(i) < id) ++i;
+      received[i] = order.receiver(s.interface.others(i)) == order.self();
+    }
+  };
+  note(wanted);
+  for (const Proposal& p : proposals) note(p.wants);
+  return static_cast<std::size_t>(std::ranges::count(received, 1));
+}
+
 std::vector<Parcel> gather(Subdomain& s, const Priority& mine, std::span<const GlobalId> wanted,
                            std::span<const Proposal> proposals, const ShiftOptions& options) {
   s.departures.clear();

@@ -120,6 +120,11 @@ std::vector<GlobalId> wanted(const Subdomain& subdomain, std::uint64_t round);
 std::vector<Proposal> propose(const Subdomain& subdomain, const Priority& mine,
                               std::span<const GlobalId> wanted);
 
+/// How many of the vertices that it or a neighbour wants to be freed this subdomain receives the tets around;
+/// at none it receives nothing in this round. `proposals`: as for gather(), before which this is called.
+std::size_t vertices_received(const Subdomain& subdomain, const ReceiverOrder& order,
+                              std::span<const GlobalId> wanted, std::span<const Proposal> proposals);
+
 /// Removes the tets that leave from the mesh. `proposals` are those of the neighbours, in their order; so
 /// are the parcels, many of them empty.
 std::vector<Parcel> gather(Subdomain& subdomain, const Priority& mine, std::span<const GlobalId> wanted,
