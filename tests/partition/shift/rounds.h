@@ -92,15 +92,21 @@ class Rounds {
     for (std::size_t i = 0; i < subdomains_.size(); ++i)
       proposals.push_back(propose(subdomains_[i], priorities[i], wants[i]));
     ForEach<partition::Parcel> parcels;
-    for (std::size_t i = 0; i < subdomains_.size(); ++i)
-      parcels.push_back(
-          gather(subdomains_[i], priorities[i], wants[i], arrived_at(i, proposals, neighbours), shift_));
+    std::vector<std::size_t> vertices;  // that each receives the tets around
+    for (std::size_t i = 0; i < subdomains_.size(); ++i) {
+      const std::vector<partition::Proposal> arrived = arrived_at(i, proposals, neighbours);
+      const partition::ReceiverOrder order(priorities[i], partition::priorities_of(arrived));
+      vertices.push_back(vertices_received(subdomains_[i], order, wants[i], arrived));
+      parcels.push_back(gather(subdomains_[i], priorities[i], wants[i], arrived, shift_));
+    }
     std::uint64_t moved = 0;
     expected_.clear();
     notices_.assign(subdomains_.size(), {});
     for (std::size_t i = 0; i < subdomains_.size(); ++i) {
       auto arrived = arrived_at(i, parcels, neighbours);
-      moved += scatter_in(i, arrived);
+      const std::uint64_t received = scatter_in(i, arrived);
+      if (received > 0 && vertices[i] == 0) throw std::logic_error("tets have come that were not expected");
+      moved += received;
     }
     return moved;
   }

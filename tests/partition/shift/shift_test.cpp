@@ -222,6 +222,33 @@ TEST(Shift, ProposesToEachNeighbourWhatItShares) {
   }
 }
 
+TEST(Shift, HoldersKnowBeforeItWhichWantedVerticesTheyReceive) {
+  for (unsigned seed = 10; seed < 14; ++seed) {
+    const Scene scene = random_scene(seed, 1);
+    const Cut cut = scene.cut();
+    Rounds rounds(cut, scene.hausd(), {});
+    std::mt19937 random(seed);
+    const std::vector<Priority> priorities = random_priorities(rounds.subdomains().size(), random);
+    auto wants = rounds.wants();
+    for (std::size_t i = 0; i < wants.size(); i += 2)
+      wants[i].clear();  // so that some is wanted by one holder
+    std::map<SubdomainId, std::size_t> expected;
+    for (const auto& [id, winner] : winners_of(rounds.subdomains(), wants, priorities)) ++expected[winner.id];
+    for (const Subdomain& s : rounds.subdomains()) {
+      std::vector<Proposal> arrived;
+      for (const SubdomainId from : s.interface.neighbours()) {
+        const Subdomain& other = rounds.subdomains()[from.value];
+        const auto others = other.interface.neighbours();
+        const auto place = std::ranges::find(others, s.id) - others.begin();
+        arrived.push_back(
+            propose(other, priorities[from.value], wants[from.value])[static_cast<std::size_t>(place)]);
+      }
+      const ReceiverOrder order(priorities[s.id.value], priorities_of(arrived));
+      EXPECT_EQ(vertices_received(s, order, wants[s.id.value], arrived), expected[s.id]);
+    }
+  }
+}
+
 TEST(Shift, WantsWhatIsInThePoorTetsWay) {
   const Scene scene = random_scene(9, 1);
   const Cut cut = scene.cut();
