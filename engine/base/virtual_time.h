@@ -25,6 +25,13 @@ class VirtualTime {
   /// Runs a handler on a worker of the rank and returns what it takes; the clock then stands where it stood.
   virtual std::int64_t run_handler(const std::function<void()>& handler) = 0;
 
+  /// So many workers more run from now on, or fewer.
+  virtual void workers_run(int more) = 0;
+  /// What a worker that runs all the time has worked by `time`: just that, unless ranks share cores.
+  virtual std::int64_t worked(std::int64_t time) const = 0;
+  /// When it has worked so much, as things are.
+  virtual std::int64_t when(std::int64_t worked) const = 0;
+
   /// What the communication thread has worked so far.
   virtual std::int64_t communicated() const = 0;
 

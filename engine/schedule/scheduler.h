@@ -159,13 +159,13 @@ class Scheduler {
   Rank home_of(ObjectId id) const { return Rank(id.home.value % options_.ranks); }
   void dispatch(Task task);
 
-  /// A handler of a simulated rank that has run, and is over at `end`.
+  /// A handler of a simulated rank that has run; its worker is busy with it until `end`.
   struct VirtualRun {
     Cell* cell = nullptr;  ///< null: the worker is free
     Task task;
     TimePoint begin = 0;
-    TimePoint end = 0;
-    std::deque<std::pair<TimePoint, Task>> sends;  ///< in the order of their times
+    TimePoint end = 0;                             ///< by VirtualTime::worked()
+    std::deque<std::pair<TimePoint, Task>> sends;  ///< likewise when each leaves; ascending
   };
   bool advance(VirtualRun& run, Lane& lane, TimePoint time);
   void begin(VirtualRun& run, Lane& lane);

@@ -30,6 +30,7 @@ std::optional<TimePoint> Scheduler::next_virtual_step() const {
     const TimePoint due = run.sends.empty() ? run.end : std::min(run.end, run.sends.front().first);
     next = std::min(next.value_or(due), due);
   }
+  if (next) next = options_.virtual_time->when(*next);
   return next;
 }
 
@@ -39,18 +40,21 @@ bool Scheduler::advance(VirtualRun& run, Lane& lane, TimePoint time) {
   std::unique_ptr<Cell> dead;
   {
     const Lock lock(mutex_);
-    for (; !run.sends.empty() && run.sends.front().first <= time; run.sends.pop_front(), any = true) {
+    const TimePoint worked = options_.virtual_time->worked(time);
+    for (; !run.sends.empty() && run.sends.front().first <= worked; run.sends.pop_front(), any = true) {
       try {
         dispatch(std::move(run.sends.front().second));
       } catch (const std::exception& error) {
         fail(describe(*run.cell, run.task) + ": " + error.what());
       }
     }
-    if (run.end > time || !run.sends.empty()) return any;
+    if (run.end > worked || !run.sends.empty()) return any;
     --busy_;
-    dead = finish(*run.cell, run.task, run.begin, run.end, lane);
+    const TimePoint end = std::min(time, options_.virtual_time->when(run.end));
+    dead = finish(*run.cell, run.task, run.begin, end, lane);
     run = {};
   }
+  options_.virtual_time->workers_run(-1);
   return true;
 }
 
@@ -84,7 +88,11 @@ void Scheduler::run_virtually(VirtualRun& run, Lane& lane) {
     handle(*run.cell, run.task);
   });
   sender_ = nullptr;
-  run.end = now() + took;
+  const TimePoint begin = now();
+  const TimePoint worked = options_.virtual_time->worked(begin);
+  for (auto& [time, task] : run.sends) time += worked - begin;
+  run.end = worked + took;
+  options_.virtual_time->workers_run(1);
 }
 
 /// The run fails: what handlers would still have sent is of no interest.
@@ -93,6 +101,7 @@ void Scheduler::drop_virtual_runs() {
     if (run.cell == nullptr) continue;
     run.cell->state = Cell::State::idle;
     --busy_;
+    options_.virtual_time->workers_run(-1);
     run = {};
   }
 }

@@ -22,6 +22,7 @@
 #include "engine/run/launch.h"
 #include "engine/simulate/fiber.h"
 #include "engine/simulate/flow_network.h"
+#include "engine/simulate/shared_cores.h"
 #include "engine/trace/trace.h"
 
 namespace weft::engine {
@@ -98,6 +99,8 @@ class Simulation {
   void close();
   const std::vector<LeaveNotice>& notices() const { return notices_; }
   ProcessorClock& processor() { return processor_; }
+  const SharedCores& cores() const { return cores_; }
+  void workers_run(int more, TimePoint time);
   bool all_closed() const { return closed_ == options_.ranks; }
   bool abandoned() const {
     return std::any_of(notices_.begin(), notices_.end(), [](const LeaveNotice& n) { return !n.will_close; });
@@ -129,6 +132,7 @@ class Simulation {
   std::unique_ptr<FlowNetwork> flows_;  ///< null: `links_` says at once when a packet arrives
   std::unordered_map<std::uint64_t, Flying> flying_;
   ProcessorClock processor_;
+  SharedCores cores_;
   std::vector<std::unique_ptr<SimulatedRank>> ranks_;
   std::priority_queue<Turn, std::vector<Turn>, std::greater<>> turns_;
   std::uint64_t next_ = 0;
@@ -161,6 +165,7 @@ class SimulatedRank final : public Transport, public VirtualTime {
   void go_on() { fiber_.enter(); }
   void end_turn() { of_thread_ = nullptr; }
   bool finished() const { return fiber_.finished(); }
+  bool has_running_workers() const { return running_ > 0; }
   const std::exception_ptr& error() const { return error_; }
   TimePoint clock() const { return clock_; }
   std::uint64_t turn() const { return turn_; }
@@ -272,6 +277,12 @@ class SimulatedRank final : public Transport, public VirtualTime {
     if (error) std::rethrow_exception(error);
     return std::exchange(clock_, begin) - begin;
   }
+  void workers_run(int more) override {
+    running_ += more;
+    simulation_.workers_run(more, now());
+  }
+  std::int64_t worked(std::int64_t time) const override { return simulation_.cores().worked(time); }
+  std::int64_t when(std::int64_t worked) const override { return simulation_.cores().when(worked); }
   std::int64_t communicated() const override { return communicated_ + (in_handler_ ? 0 : measured()); }
 
  private:
@@ -325,6 +336,7 @@ class SimulatedRank final : public Transport, public VirtualTime {
   TimePoint charged_ = 0;  ///< processor time at the last charge() or skip()
   TimePoint communicated_ = 0;
   bool in_handler_ = false;
+  int running_ = 0;  ///< workers
   std::atomic<bool> woken_{false};
   bool waits_ = false;
   TimePoint wakes_at_ = kNever;
@@ -335,7 +347,7 @@ class SimulatedRank final : public Transport, public VirtualTime {
 };
 
 Simulation::Simulation(const SimulationOptions& options, const std::function<void(Transport&)>& body)
-    : options_(options), links_(options.network, options.ranks) {
+    : options_(options), links_(options.network, options.ranks), cores_(options.cores) {
   if (options.ranks < 1) throw std::invalid_argument(text("there cannot be ", options.ranks, " ranks"));
   if (has_flows(options.network.topology)) flows_ = make_flow_network(options.network, options.ranks);
   for (int r = 0; r < options.ranks; ++r) {
@@ -405,6 +417,13 @@ void Simulation::pass(Rank from, Rank to, Packet packet, TimePoint time) {
     }
   }
   rank(to).arrive(links_.send(from, to, bytes, time), from, std::move(packet));
+}
+
+/// Others may be through earlier than they thought.
+void Simulation::workers_run(int more, TimePoint time) {
+  if (!cores_.run(more, time)) return;
+  for (const auto& rank : ranks_)
+    if (rank->has_running_workers()) rank->rouse(time);
 }
 
 void Simulation::depart(LeaveNotice notice) {

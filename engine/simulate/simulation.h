@@ -20,6 +20,10 @@ struct SimulationOptions {
   bool measured = true;
   double slowdown = 1;
 
+  /// That the workers of all ranks share, as on one machine; communication threads, which have little to do,
+  /// need none. 0: each worker has its own.
+  int cores = 0;
+
   // Where time is not measured.
   double handler_overhead = 1e-6;  ///< seconds of the engine for each handler
   double copy_rate = 4e9;          ///< bytes a second that are packed or unpacked

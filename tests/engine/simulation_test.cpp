@@ -170,6 +170,42 @@ TEST(Simulation, Work_that_cannot_move_is_done_one_after_the_other_and_by_all_wh
   EXPECT_LT(shared.seconds, 0.7 * alone.seconds);
 }
 
+/// Rank r does r + 1 chunks of a millisecond; when each has done its own.
+std::vector<TimePoint> ends_on(int cores, int ranks) {
+  std::vector<TimePoint> ends(static_cast<std::size_t>(ranks));
+  SimulationOptions options = given(ranks);
+  options.cores = cores;
+  options.handler_overhead = 0;
+  simulate(options, [&](Transport& transport) {
+    Registry registry;
+    registry.type<Chunk>("Chunk").method<&Chunk::work>("work");
+    Runtime runtime(transport, registry,
+                    {.threads = 1, .balancer = no_balancing(), .trace = {.spans = true}});
+    runtime.run([&](Context& context) {
+      const auto chunk = context.create<Chunk>();
+      for (int i = 0; i <= context.rank().value; ++i) context.invoke<&Chunk::work>(chunk, kMillisecond);
+    });
+    for (const RankTimeline& rank : runtime.gather_timelines())
+      for (const auto& lane : rank.lanes)
+        for (const Span& span : lane.spans)
+          if (span.activity == Activity::compute)
+            ends[rank.rank.index()] = std::max(ends[rank.rank.index()], span.end);
+  });
+  return ends;
+}
+
+TEST(Simulation, Ranks_that_share_cores_get_on_at_one_rate_and_faster_when_some_are_through) {
+  const auto is_about = [](TimePoint end, double milliseconds) {
+    EXPECT_NEAR(static_cast<double>(end) / kMillisecond, milliseconds, 0.01);
+  };
+  const std::vector<TimePoint> own = ends_on(0, 4), shared = ends_on(2, 4);
+  for (int r = 0; r < 4; ++r) is_about(own[static_cast<std::size_t>(r)], r + 1);
+  is_about(shared[0], 2);    // all four at half the rate
+  is_about(shared[1], 3.5);  // three at two thirds
+  is_about(shared[2], 4.5);  // two cores for two
+  is_about(shared[3], 5.5);
+}
+
 TEST(Simulation, Every_balancer_spreads_work_over_a_thousand_ranks) {
   for (const char* name : {"stealing", "diffusion"}) {
     SimulationResult result;

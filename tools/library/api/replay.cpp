@@ -243,6 +243,8 @@ engine::SimulationOptions checked(const SimulatedRanks& ranks, const Options& op
   to.ranks = ranks.ranks;
   to.network = naming_option("--simulate-network", [&] { return engine::parse_network(ranks.network); });
   to.slowdown = ranks.slowdown;
+  require(ranks.cores >= 0, "--simulate-cores", fmt::format("there cannot be {}", ranks.cores));
+  to.cores = ranks.cores;
   return to;
 }
 

@@ -283,6 +283,12 @@ void add_simulation(CLI::App& sub, SimulatedRanks& simulation) {
       ->type_name("L,B[,T]")
       ->needs(ranks)
       ->group(kGroup);
+  sub.add_option("--simulate-cores", simulation.cores,
+                 "their threads share C cores, as ranks of one machine (default: one each)")
+      ->type_name("C")
+      ->check(CLI::PositiveNumber.description(""))
+      ->needs(ranks)
+      ->group(kGroup);
   sub.add_option("--simulate-slowdown", simulation.slowdown,
                  "their processors take so many times as long (default 1)")
       ->type_name("X")

@@ -62,6 +62,7 @@ struct SimulatedRanks {
   int ranks = 1;
   std::string network = "2us,10GB/s";  ///< as ReplayOptions::network
   double slowdown = 1;                 ///< of the processor: cores that are all busy are slower
+  int cores = 0;                       ///< that threads of all ranks share; 0: one each
 };
 
 /// Times in it are those of the virtual clocks.
