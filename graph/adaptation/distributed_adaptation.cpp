@@ -394,7 +394,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.pauses = options.check;
   plan.home_ranks = options.resume.empty() ? peers.ranks() : options.resume[0].manifest.home_ranks;
   rank.geometry = d.geometry;
-  rank.surface = std::make_shared<partition::SharedSurface>();
+  rank.shared = std::make_shared<SharedByRank>();
   static FreedMemory freed;
   if (!engine::VirtualTime::of_thread()) rank.freed = &freed;
   rank.interrupt = options.interrupt;

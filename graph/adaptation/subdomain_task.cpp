@@ -265,7 +265,8 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, double c
   if (rank.plan.pauses) interface.emplace(subdomain_);
   if (rank.news)  // to predict its work a mesh is looked at once more
     options.progress = [&](const std::string&, double done, std::uint64_t) { tell_done(rank, round, done); };
-  rank.surface->share(subdomain_.surface);
+  partition::share_surface(subdomain_.surface, rank.shared->surface);
+  subdomain_.background.share(rank.shared->background);
   if (rank.freed) rank.freed->give_back();
   const meshing::AdaptReport report =
       partition::adapt_subdomain(subdomain_, rank.geometry->surface, limits, extent, options, before_level);
@@ -381,6 +382,7 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
 std::optional<engine::Nothing> SubdomainTask::scatter(NodeContext& context, std::uint64_t round,
                                                       std::vector<Arrival<partition::Parcel>> arrivals) {
   std::vector<partition::Parcel> parcels = values_of(arrivals);
+  for (partition::Parcel& p : parcels) rank_data(context).shared->background.share(p.pieces);
   partition::Scattered result = partition::scatter(subdomain_, parcels);
   const RankData& rank = rank_data(context);
   const AdaptationPlan& plan = rank.plan;

@@ -40,6 +40,7 @@
 #include "partition/refine/refine_interface.h"
 #include "partition/shift/shift.h"
 #include "partition/subdomain/geometry.h"
+#include "partition/subdomain/shared_pieces.h"
 #include "partition/subdomain/subdomain.h"
 #include "partition/subdomain/surface_cover.h"
 #include "partition/verify/check_subdomains.h"
@@ -125,15 +126,21 @@ struct Pause {
   }
 };
 
+/// What several subdomains of a rank have, in one copy.
+struct SharedByRank {
+  partition::SharedPieces<meshing::SurfacePiece> surface;
+  partition::SharedPieces<partition::BackgroundPiece> background;
+};
+
 /// What all subdomains of a rank read (engine::RuntimeOptions::local).
 struct RankData {
   AdaptationPlan plan;
   std::shared_ptr<const partition::Geometry> geometry;
-  std::shared_ptr<partition::SharedSurface> surface;  ///< the pieces that its subdomains have
-  FreedMemory* freed = nullptr;                       ///< of its process; null where ranks take turns in one
-  const std::atomic<bool>* interrupt = nullptr;       ///< when true, subdomains finish with what they have
-  std::function<void()> out_of_memory;                ///< sets `interrupt`
-  ProgressBoard* news = nullptr;  ///< where subdomains tell how far they are; null: nowhere
+  std::shared_ptr<SharedByRank> shared;          ///< the pieces that its subdomains have
+  FreedMemory* freed = nullptr;                  ///< of its process; null where ranks take turns in one
+  const std::atomic<bool>* interrupt = nullptr;  ///< when true, subdomains finish with what they have
+  std::function<void()> out_of_memory;           ///< sets `interrupt`
+  ProgressBoard* news = nullptr;                 ///< where subdomains tell how far they are; null: nowhere
 };
 
 /// One round of one subdomain, for the report.

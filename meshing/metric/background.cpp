@@ -23,12 +23,22 @@ std::array<double, 4> clamped(std::array<double, 4> l) {
 }  // namespace
 
 Background::Background(const MeshData& mesh, std::span<const LogMetric> log_metrics, Adjacency adjacency)
-    : mesh_(mesh), log_metrics_(log_metrics), adjacency_(std::move(adjacency)) {}
+    : mesh_(&mesh), adjacency_(std::move(adjacency)) {
+  blocks_.push_back({.points = mesh.points.data(),
+                     .log_metrics = log_metrics.data(),
+                     .tets = mesh.tets.data(),
+                     .neighbours = adjacency_.neighbours.data(),
+                     .num_tets = static_cast<std::uint32_t>(mesh.tets.size())});
+}
+
+Background::Background(std::vector<BackgroundBlock> blocks)
+    : bits_(BackgroundBlock::kBits), mask_(BackgroundBlock::kMostTets - 1), blocks_(std::move(blocks)) {
+  for (std::uint32_t b = 0; b < blocks_.size(); ++b) blocks_[b].first_code = b << (bits_ + 2);
+}
 
 Background::Barycentric Background::barycentric(std::uint32_t tet, const Point& p) const {
-  const auto& v = mesh_.tets[tet];
-  const Point &a = mesh_.points[v[0]], &b = mesh_.points[v[1]], &c = mesh_.points[v[2]],
-              &d = mesh_.points[v[3]];
+  const Corners x = corners(tet);
+  const Point &a = x[0], &b = x[1], &c = x[2], &d = x[3];
   const Vec u = b - a, w = c - a, z = d - a, q = p - a;
   const Vec wz = cross(w, z), uq = cross(u, q);
   const double det = dot(u, wz);
@@ -45,8 +55,8 @@ Background::Barycentric Background::barycentric(std::uint32_t tet, const Point& 
 /// A tet that is positive exactly but not in doubles. Beyond one of its faces: -1 there, so that a walk goes
 /// on; otherwise its vertex nearest to `p`.
 Background::Barycentric Background::barycentric_in_flat(std::uint32_t tet, const Point& p) const {
-  std::array<Point, 4> x;
-  for (int i = 0; i < 4; ++i) x[i] = mesh_.points[mesh_.tets[tet][i]];
+  const Corners corner = corners(tet);
+  const std::array<Point, 4> x{corner[0], corner[1], corner[2], corner[3]};
   Barycentric l{};
   const auto nearest = std::ranges::min_element(x, {}, [&](const Point& q) { return norm2(q - p); });
   l[static_cast<std::size_t>(nearest - x.begin())] = 1;
@@ -71,7 +81,7 @@ bool Background::walk(const Point& p, std::uint32_t& tet, Barycentric& l) const 
       const int f = (i + static_cast<int>(random >> 30)) & 3;
       if (l[f] >= -kTolerance) continue;
       outside = true;
-      const std::uint32_t n = adjacency_.neighbours[tet][f];
+      const std::uint32_t n = neighbour(tet, f);
       if (n == kNoNeighbour || n >> 2 == previous) continue;
       if (step > 200 ? way < 0 : l[f] < most) {
         way = f;
@@ -81,26 +91,28 @@ bool Background::walk(const Point& p, std::uint32_t& tet, Barycentric& l) const 
     if (!outside) return true;
     if (way < 0) return false;
     previous = tet;
-    tet = adjacency_.neighbours[tet][way] >> 2;
+    tet = neighbour(tet, way) >> 2;
   }
   return false;
 }
 
 LogMetric Background::interpolate(std::uint32_t tet, const Barycentric& l) const {
-  const auto& v = mesh_.tets[tet];
-  return l[0] * log_metrics_[v[0]] + l[1] * log_metrics_[v[1]] + l[2] * log_metrics_[v[2]] +
-         l[3] * log_metrics_[v[3]];
+  const BackgroundBlock& block = block_of(tet);
+  const auto& v = block.tets[tet & mask_];
+  const LogMetric* at = block.log_metrics;
+  return l[0] * at[v[0]] + l[1] * at[v[1]] + l[2] * at[v[2]] + l[3] * at[v[3]];
 }
 
 Point Background::closest_in(std::uint32_t tet, const Point& p) const {
   const Barycentric inside = barycentric(tet, p);
   if (*std::min_element(inside.begin(), inside.end()) >= 0) return p;
+  const Corners corner = corners(tet);
   Point closest;
   double least = std::numeric_limits<double>::infinity();
   for (int f = 0; f < 4; ++f) {
     if (inside[f] >= 0) continue;  // the closest point lies on a face that p is beyond
     std::array<Point, 3> x;
-    for (int i = 0; i < 3; ++i) x[i] = mesh_.points[mesh_.tets[tet][kTetFaces[f][i]]];
+    for (int i = 0; i < 3; ++i) x[i] = corner[static_cast<std::size_t>(kTetFaces[f][i])];
     const TrianglePoint q = closest_point(x[0], x[1], x[2], p);
     if (q.distance2 >= least) continue;
     least = q.distance2;
@@ -112,11 +124,17 @@ Point Background::closest_in(std::uint32_t tet, const Point& p) const {
 std::uint32_t Background::search_everywhere(const Point& p) const {
   constexpr std::ptrdiff_t kTetsOfLeaf = 16;  // few points are searched for so, and the tets are many
   std::call_once(tree_built_, [&] {
-    std::vector<ClosestForest::Item> items(mesh_.tets.size());
-    for (std::uint32_t t = 0; t < items.size(); ++t) {
-      for (const std::uint32_t v : mesh_.tets[t]) items[t].box.include(mesh_.points[v]);
-      items[t].id = t;
-    }
+    std::vector<ClosestForest::Item> items;
+    std::size_t tets = 0;
+    for (const BackgroundBlock& block : blocks_) tets += block.num_tets;
+    items.reserve(tets);
+    for (std::uint32_t b = 0; b < blocks_.size(); ++b)
+      for (std::uint32_t t = 0; t < blocks_[b].num_tets; ++t) {
+        ClosestForest::Item& item = items.emplace_back();
+        item.id = (b << bits_) + t;
+        const Corners corner = corners(item.id);
+        for (std::size_t i = 0; i < 4; ++i) item.box.include(corner[i]);
+      }
     tree_ = std::make_unique<ClosestForest>();
     tree_->add(items, kTetsOfLeaf);
   });
@@ -142,9 +160,9 @@ Background::Place Background::locate(const Point& p, std::uint32_t hint) const {
   Barycentric l;
   if (walk(p, tet, l)) return {tet, clamped(l), 0};
   for (int attempt = 0;; ++attempt) {
-    const auto& v = mesh_.tets[tet];
+    const Corners corner = corners(tet);
     const Point q = closest_in(tet, p);
-    const double distance2 = norm2(p - q), size2 = norm2(mesh_.points[v[1]] - mesh_.points[v[0]]);
+    const double distance2 = norm2(p - q), size2 = norm2(corner[1] - corner[0]);
     if (distance2 <= kNext * size2) return {tet, clamped(barycentric(tet, q)), 0};
     if (attempt > 0) return {tet, clamped(barycentric(tet, q)), distance2};
     tet = search_everywhere(p);
@@ -158,7 +176,7 @@ std::vector<std::uint32_t> Background::tets_about(std::uint32_t tet, const Point
   for (std::size_t i = 0; i < about.size(); ++i) {
     const Barycentric l = barycentric(about[i], q);
     for (std::size_t f = 0; f < 4; ++f) {
-      const std::uint32_t n = adjacency_.neighbours[about[i]][f];
+      const std::uint32_t n = neighbour(about[i], static_cast<int>(f));
       if (l[f] > kNear || n == kNoNeighbour || std::ranges::find(about, n >> 2) != about.end()) continue;
       if (std::ranges::min(barycentric(n >> 2, q)) >= -kNear) about.push_back(n >> 2);
     }

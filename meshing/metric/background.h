@@ -15,6 +15,25 @@
 
 namespace weft::meshing {
 
+/// Some tets of a background that is not one mesh. Others may have the same arrays: what is of one background
+/// alone is where tets beyond open faces are.
+struct BackgroundBlock {
+  static constexpr int kBits = 9;
+  static constexpr std::size_t kMostTets = std::size_t{1} << kBits;
+  /// In `neighbours`, with the number of an open face: what lies beyond it is another block's.
+  static constexpr std::uint32_t kOpen = 0x80000000u;
+
+  const Point* points = nullptr;
+  const LogMetric* log_metrics = nullptr;
+  const std::array<std::uint32_t, 4>* tets = nullptr;        ///< by the block's points
+  const std::array<std::uint32_t, 4>* neighbours = nullptr;  ///< as Adjacency, by the block's tets
+  /// Of each open face: the other side, as in Adjacency by the background's tets, or kNoNeighbour. Null where
+  /// the block is the whole background: `neighbours` has no open faces then.
+  const std::uint32_t* across = nullptr;
+  std::uint32_t num_tets = 0;
+  std::uint32_t first_code = 0;  ///< of the block's first face among the background's
+};
+
 /// Log-Euclidean P1 interpolation (Arsigny et al. 2006) of a metric field, found by walking from a nearby
 /// tet. Never diffuses: every query reads the input's own metric. Safe to read from many threads.
 class Background {
@@ -23,6 +42,10 @@ class Background {
 
   /// Refers to `mesh` and `log_metrics`, which must outlive it; `adjacency` is that of `mesh.tets`.
   Background(const MeshData& mesh, std::span<const LogMetric> log_metrics, Adjacency adjacency);
+
+  /// Tet t of block b has the number b * BackgroundBlock::kMostTets + t. What blocks refer to must outlive
+  /// it.
+  explicit Background(std::vector<BackgroundBlock> blocks);
 
   struct Sample {
     LogMetric log_metric;
@@ -51,13 +74,31 @@ class Background {
   /// Where the walk from tet `hint` towards `p` ends. Cheap: nothing is searched for beyond the boundary.
   WalkEnd walk_towards(const Point& p, std::uint32_t hint) const;
 
-  const LogMetric& log_metric(std::uint32_t vertex) const { return log_metrics_[vertex]; }
-  const MeshData& mesh() const { return mesh_; }
+  /// Beyond a face, as in Adjacency.
+  std::uint32_t neighbour(std::uint32_t tet, int face) const {
+    const BackgroundBlock& block = block_of(tet);
+    const std::uint32_t n = block.neighbours[tet & mask_][face];
+    if (!block.across) return n;
+    return n & BackgroundBlock::kOpen ? block.across[n ^ BackgroundBlock::kOpen] : block.first_code + n;
+  }
+
+  // Of one that is a mesh.
+  const LogMetric& log_metric(std::uint32_t vertex) const { return blocks_.front().log_metrics[vertex]; }
+  const MeshData& mesh() const { return *mesh_; }
   const Adjacency& adjacency() const { return adjacency_; }
-  /// Gives the adjacency back; nothing may be asked afterwards.
-  Adjacency release_adjacency() { return std::move(adjacency_); }
 
  private:
+  const BackgroundBlock& block_of(std::uint32_t tet) const { return blocks_[tet >> bits_]; }
+  /// A tet's corners, and its block's points.
+  struct Corners {
+    const Point* points;
+    const std::array<std::uint32_t, 4>& v;
+    const Point& operator[](std::size_t i) const { return points[v[i]]; }
+  };
+  Corners corners(std::uint32_t tet) const {
+    const BackgroundBlock& block = block_of(tet);
+    return {block.points, block.tets[tet & mask_]};
+  }
   Barycentric barycentric(std::uint32_t tet, const Point& p) const;
   Barycentric barycentric_in_flat(std::uint32_t tet, const Point& p) const;
   bool walk(const Point& p, std::uint32_t& tet, Barycentric& l) const;
@@ -67,9 +108,11 @@ class Background {
   Sample outside(const Point& p, std::uint32_t tet) const;
   LogMetric interpolate(std::uint32_t tet, const Barycentric& l) const;
 
-  const MeshData& mesh_;
-  std::span<const LogMetric> log_metrics_;
-  Adjacency adjacency_;
+  const MeshData* mesh_ = nullptr;
+  Adjacency adjacency_;  ///< of mesh_
+  int bits_ = 31;        ///< of a tet's number in its block
+  std::uint32_t mask_ = 0x7FFFFFFFu;
+  std::vector<BackgroundBlock> blocks_;
   // Built when a walk first ends at the boundary too far from its point: many backgrounds never need it.
   mutable std::once_flag tree_built_;
   mutable std::unique_ptr<ClosestForest> tree_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <iterator>
 #include <numeric>
 #include <utility>
@@ -60,14 +61,15 @@ class PieceVertices {
  public:
   explicit PieceVertices(std::size_t num_vertices) : place_(num_vertices, kNowhere) {}
 
-  /// The tets of the next piece by the numbers of its vertices, counted on from `first`.
-  void number(std::span<const std::array<std::uint32_t, 4>> tets, std::uint32_t first,
-              std::vector<std::array<std::uint32_t, 4>>& numbered) {
+  /// The tets of the next piece by the numbers of its vertices.
+  std::vector<std::array<std::uint32_t, 4>> number(std::span<const std::array<std::uint32_t, 4>> tets) {
     vertices_.clear();
+    std::vector<std::array<std::uint32_t, 4>> numbered;
+    numbered.reserve(tets.size());
     for (const auto& t : tets)
-      numbered.push_back(
-          {first + place_of(t[0]), first + place_of(t[1]), first + place_of(t[2]), first + place_of(t[3])});
+      numbered.push_back({place_of(t[0]), place_of(t[1]), place_of(t[2]), place_of(t[3])});
     for (const std::uint32_t v : vertices_) place_[v] = kNowhere;
+    return numbered;
   }
   /// Of that piece.
   std::span<const std::uint32_t> vertices() const { return vertices_; }
@@ -88,14 +90,68 @@ class PieceVertices {
   std::vector<std::uint32_t> vertices_;
 };
 
-/// Calls f(tets of a piece), one piece after the other.
+/// Cuts one piece after the other; what lies beyond their faces is the caller's.
+class Cutting {
+ public:
+  Cutting(std::span<const meshing::Point> points, std::span<const meshing::LogMetric> log_metrics,
+          std::span<const GlobalId> ids)
+      : points_(points), log_metrics_(log_metrics), ids_(ids), vertices_(points.size()) {}
+
+  /// `neighbours`: of these tets by their numbers among them, kNoNeighbour at the border.
+  std::shared_ptr<const BackgroundPiece> cut(
+      std::uint64_t id, std::span<const std::array<std::uint32_t, 4>> tets,
+      const std::function<std::vector<std::array<std::uint32_t, 4>>(const BackgroundPiece&)>& neighbours) {
+    auto piece = std::make_shared<BackgroundPiece>();
+    piece->id = id;
+    piece->tets = vertices_.number(tets);
+    const std::span<const std::uint32_t> vertices = vertices_.vertices();
+    std::vector<GlobalId> names;
+    names.reserve(vertices.size());
+    piece->points.reserve(vertices.size());
+    piece->log_metrics.reserve(vertices.size());
+    for (const std::uint32_t v : vertices) {
+      piece->points.push_back(points_[v]);
+      piece->log_metrics.push_back(log_metrics_[v]);
+      names.push_back(ids_[v]);
+    }
+    piece->neighbours = neighbours(*piece);
+    piece->border = border_of(piece->tets, piece->neighbours, names);
+    piece->number_open_faces();
+    return piece;
+  }
+
+ private:
+  std::span<const meshing::Point> points_;
+  std::span<const meshing::LogMetric> log_metrics_;
+  std::span<const GlobalId> ids_;
+  PieceVertices vertices_;
+};
+
+/// Calls f(first tet, tets of a piece), one piece after the other.
 template <class F>
 void for_each_piece(std::span<const std::array<std::uint32_t, 4>> tets, const F& f) {
   for (std::size_t first = 0; first < tets.size(); first += kTetsOfPiece)
-    f(tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first)));
+    f(first, tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first)));
+}
+
+/// Of tets that follow each other, among themselves.
+std::vector<std::array<std::uint32_t, 4>> neighbours_within(const Adjacency& adjacency, std::size_t first,
+                                                            std::size_t count) {
+  const auto begin = adjacency.neighbours.begin() + static_cast<std::ptrdiff_t>(first);
+  std::vector<std::array<std::uint32_t, 4>> within(begin, begin + static_cast<std::ptrdiff_t>(count));
+  for (auto& tet : within)
+    for (std::uint32_t& code : tet)
+      code = code / 4 < first || code / 4 >= first + count ? kNoNeighbour
+                                                           : code - 4 * static_cast<std::uint32_t>(first);
+  return within;
 }
 
 }  // namespace
+
+void BackgroundPiece::number_open_faces() {
+  for (std::uint32_t i = 0; i < border.size(); ++i)
+    neighbours[border[i].code >> 2][border[i].code & 3] = meshing::BackgroundBlock::kOpen | i;
+}
 
 void BackgroundPiece::find_neighbours() {
   neighbours.assign(tets.size(), {kNoNeighbour, kNoNeighbour, kNoNeighbour, kNoNeighbour});
@@ -110,28 +166,19 @@ void BackgroundPiece::find_neighbours() {
       neighbours[t][f] = other;
       neighbours[other >> 2][other & 3] = code;
     }
+  number_open_faces();
 }
 
 std::vector<std::shared_ptr<const BackgroundPiece>> cut_background(
     std::uint64_t first_id, std::span<const meshing::Point> points,
     std::span<const meshing::LogMetric> log_metrics, std::span<const GlobalId> ids,
     std::span<const std::array<std::uint32_t, 4>> tets) {
-  PieceVertices vertices(points.size());
+  Cutting cutting(points, log_metrics, ids);
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
-  for_each_piece(tets, [&](std::span<const std::array<std::uint32_t, 4>> of_piece) {
-    auto piece = std::make_shared<BackgroundPiece>();
-    piece->id = first_id + pieces.size();
-    piece->tets.reserve(of_piece.size());
-    vertices.number(of_piece, 0, piece->tets);
-    std::vector<GlobalId> names;
-    for (const std::uint32_t v : vertices.vertices()) {
-      piece->points.push_back(points[v]);
-      piece->log_metrics.push_back(log_metrics[v]);
-      names.push_back(ids[v]);
-    }
-    piece->neighbours = meshing::build_adjacency(piece->tets, piece->points.size()).neighbours;
-    piece->border = border_of(piece->tets, piece->neighbours, names);
-    pieces.push_back(std::move(piece));
+  for_each_piece(tets, [&](std::size_t, std::span<const std::array<std::uint32_t, 4>> of_piece) {
+    pieces.push_back(cutting.cut(first_id + pieces.size(), of_piece, [](const BackgroundPiece& piece) {
+      return meshing::build_adjacency(piece.tets, piece.points.size()).neighbours;
+    }));
   });
   return pieces;
 }
@@ -139,74 +186,52 @@ std::vector<std::shared_ptr<const BackgroundPiece>> cut_background(
 BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
                                  std::span<const meshing::LogMetric> log_metrics,
                                  std::span<const GlobalId> ids,
-                                 std::span<const std::array<std::uint32_t, 4>> tets, Adjacency adjacency) {
-  PieceVertices vertices(points.size());
-  mesh_->tets.reserve(tets.size());
-  for_each_piece(tets, [&](std::span<const std::array<std::uint32_t, 4>> of_piece) {
-    const std::uint64_t id = std::uint64_t{subdomain.value} << 32 | joined_.size();
-    const auto first_point = static_cast<std::uint32_t>(mesh_->points.size());
-    const auto first_tet = static_cast<std::uint32_t>(mesh_->tets.size());
-    place_.emplace(id, first_tet);
-    joined_.push_back({id, first_point, first_tet, {}, {}});
-    vertices.number(of_piece, first_point, mesh_->tets);
-    for (const std::uint32_t v : vertices.vertices()) {
-      mesh_->points.push_back(points[v]);
-      log_metrics_->push_back(log_metrics[v]);
-      names_.push_back(ids[v]);
+                                 std::span<const std::array<std::uint32_t, 4>> tets,
+                                 const Adjacency& adjacency) {
+  Cutting cutting(points, log_metrics, ids);
+  for_each_piece(tets, [&](std::size_t first, std::span<const std::array<std::uint32_t, 4>> of_piece) {
+    append(cutting.cut(
+        std::uint64_t{subdomain.value} << 32 | pieces_.size(), of_piece,
+        [&](const BackgroundPiece&) { return neighbours_within(adjacency, first, of_piece.size()); }));
+    const BackgroundPiece& piece = *pieces_.back();
+    for (std::size_t i = 0; i < piece.border.size(); ++i) {
+      const std::uint64_t code = piece.border[i].code;
+      const std::uint32_t other = adjacency.neighbours[first + (code >> 2)][code & 3];
+      across_.back()[i] = other;
+      if (other == kNoNeighbour)
+        border_.push_back({piece.border[i].name, std::uint64_t{pieces_.size() - 1} << 32 | i});
     }
   });
-  border_ = border_of(mesh_->tets, adjacency.neighbours, names_);
-  background_ = std::make_unique<meshing::Background>(*mesh_, *log_metrics_, std::move(adjacency));
+  border_ = in_order(border_);
+  refer_to_pieces();
 }
 
 void BackgroundStore::add(std::span<const SharedPiece> pieces) {
-  Adjacency adjacency;
   std::vector<OpenFace> open;
-  if (background_) adjacency = background_->release_adjacency();
-  make_room(pieces, adjacency);
-  for (const auto& piece : pieces) {
+  for (const SharedPiece& piece : pieces) {
     if (has(piece->id)) continue;
-    const auto first_tet = static_cast<std::uint32_t>(mesh_->tets.size());
-    place_.emplace(piece->id, first_tet);
-    joined_.push_back(
-        {piece->id, static_cast<std::uint32_t>(mesh_->points.size()), first_tet, piece->border, piece});
-    for (const OpenFace& face : piece->border)
-      open.push_back({face.name, face.code + 4 * std::uint64_t{first_tet}});
-    append(*piece, adjacency);
+    for (std::size_t i = 0; i < piece->border.size(); ++i)
+      open.push_back({piece->border[i].name, std::uint64_t{pieces_.size()} << 32 | i});
+    append(piece);
   }
-  join_faces(std::move(open), adjacency);
-  background_ = std::make_unique<meshing::Background>(*mesh_, *log_metrics_, std::move(adjacency));
+  join_faces(std::move(open));
+  refer_to_pieces();
 }
 
-/// What arrives later is mostly little, and every subdomain would keep what it has too much.
-void BackgroundStore::make_room(std::span<const SharedPiece> pieces, Adjacency& adjacency) {
-  std::size_t points = mesh_->points.size(), tets = mesh_->tets.size();
-  for (const auto& piece : pieces) points += piece->points.size(), tets += piece->tets.size();
-  if (points > mesh_->points.capacity()) {
-    mesh_->points.reserve(points + points / 4);
-    log_metrics_->reserve(points + points / 4);
-  }
-  if (tets > mesh_->tets.capacity()) {
-    mesh_->tets.reserve(tets + tets / 4);
-    adjacency.neighbours.reserve(tets + tets / 4);
-  }
+void BackgroundStore::append(SharedPiece piece) {
+  slot_.emplace(piece->id, static_cast<std::uint32_t>(pieces_.size()));
+  across_.emplace_back(piece->border.size(), kNoNeighbour);
+  pieces_.push_back(std::move(piece));
 }
 
-void BackgroundStore::append(const BackgroundPiece& piece, Adjacency& adjacency) {
-  const auto first_point = static_cast<std::uint32_t>(mesh_->points.size());
-  const auto first_tet = static_cast<std::uint32_t>(mesh_->tets.size());
-  mesh_->points.insert(mesh_->points.end(), piece.points.begin(), piece.points.end());
-  log_metrics_->insert(log_metrics_->end(), piece.log_metrics.begin(), piece.log_metrics.end());
-  mesh_->tets.insert(mesh_->tets.end(), piece.tets.begin(), piece.tets.end());
-  for (auto& tet : std::span(mesh_->tets).subspan(first_tet))
-    for (std::uint32_t& v : tet) v += first_point;
-  adjacency.neighbours.insert(adjacency.neighbours.end(), piece.neighbours.begin(), piece.neighbours.end());
-  for (auto& tet : std::span(adjacency.neighbours).subspan(first_tet))
-    for (std::uint32_t& code : tet) code += code == kNoNeighbour ? 0 : 4 * first_tet;
+/// Among the background's faces.
+std::uint32_t BackgroundStore::code_of(const OpenFace& face) const {
+  const std::uint64_t place = face.code >> 32, in_border = face.code & 0xFFFFFFFFu;
+  return static_cast<std::uint32_t>(4 * kTetsOfPiece * place + pieces_[place]->border[in_border].code);
 }
 
 /// Joins open faces with their other sides, among them or in the border; the rest becomes border.
-void BackgroundStore::join_faces(std::vector<OpenFace> open, Adjacency& adjacency) {
+void BackgroundStore::join_faces(std::vector<OpenFace> open) {
   open = in_order(open);
   std::vector<OpenFace> all;
   all.reserve(border_.size() + open.size());
@@ -217,61 +242,45 @@ void BackgroundStore::join_faces(std::vector<OpenFace> open, Adjacency& adjacenc
       border_.push_back(face);
       continue;
     }
-    const auto a = static_cast<std::uint32_t>(face.code), b = static_cast<std::uint32_t>(border_.back().code);
-    adjacency.neighbours[a >> 2][a & 3] = b;
-    adjacency.neighbours[b >> 2][b & 3] = a;
+    across(face) = code_of(border_.back());
+    across(border_.back()) = code_of(face);
     border_.pop_back();
   }
+  border_.shrink_to_fit();
 }
 
-BackgroundStore::SharedPiece BackgroundStore::piece(std::size_t place) const {
-  const Joined& joined = joined_[place];
-  if (SharedPiece there = joined.copy.lock()) return there;
-  const bool last = place + 1 == joined_.size();
-  const auto end_point = last ? mesh_->points.size() : joined_[place + 1].first_point;
-  const auto end_tet = last ? mesh_->tets.size() : joined_[place + 1].first_tet;
-  const auto of_piece = [](const auto& all, std::size_t begin, std::size_t end) {
-    return std::vector(all.begin() + static_cast<std::ptrdiff_t>(begin),
-                       all.begin() + static_cast<std::ptrdiff_t>(end));
-  };
-  auto piece = std::make_shared<BackgroundPiece>();
-  piece->id = joined.id;
-  piece->points = of_piece(mesh_->points, joined.first_point, end_point);
-  piece->log_metrics = of_piece(*log_metrics_, joined.first_point, end_point);
-  piece->tets = of_piece(mesh_->tets, joined.first_tet, end_tet);
-  for (auto& tet : piece->tets)
-    for (std::uint32_t& v : tet) v -= joined.first_point;
-  const auto& neighbours = background_->adjacency().neighbours;
-  const std::uint32_t first_code = 4 * joined.first_tet, end_code = 4 * static_cast<std::uint32_t>(end_tet);
-  piece->neighbours = of_piece(neighbours, joined.first_tet, end_tet);
-  for (auto& tet : piece->neighbours)
-    for (std::uint32_t& code : tet)
-      code = code < first_code || code >= end_code ? kNoNeighbour : code - first_code;
-  if (joined.border.empty())  // it was cut here, and nobody has asked for it yet
-    joined.border = border_of(piece->tets, piece->neighbours, std::span(names_).subspan(joined.first_point));
-  piece->border = joined.border;
-  joined.copy = piece;
-  return piece;
+/// Anew whenever there are others.
+void BackgroundStore::refer_to_pieces() {
+  std::vector<meshing::BackgroundBlock> blocks;
+  blocks.reserve(pieces_.size());
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const BackgroundPiece& piece = *pieces_[i];
+    blocks.push_back({.points = piece.points.data(),
+                      .log_metrics = piece.log_metrics.data(),
+                      .tets = piece.tets.data(),
+                      .neighbours = piece.neighbours.data(),
+                      .across = across_[i].data(),
+                      .num_tets = static_cast<std::uint32_t>(piece.tets.size())});
+  }
+  background_ = std::make_unique<meshing::Background>(std::move(blocks));
+}
+
+void BackgroundStore::share(SharedPieces<BackgroundPiece>& of_rank) {
+  if (of_rank.share(pieces_)) refer_to_pieces();
 }
 
 std::vector<BackgroundStore::SharedPiece> BackgroundStore::pieces(std::span<const std::uint64_t> ids) const {
   std::vector<SharedPiece> found;
-  for (std::size_t i = 0; i < joined_.size(); ++i)
-    if (std::ranges::binary_search(ids, joined_[i].id)) found.push_back(piece(i));
+  for (const SharedPiece& piece : pieces_)
+    if (std::ranges::binary_search(ids, piece->id)) found.push_back(piece);
   return found;
 }
 
 std::vector<std::uint64_t> BackgroundStore::piece_ids() const {
   std::vector<std::uint64_t> ids;
-  for (const Joined& joined : joined_) ids.push_back(joined.id);
+  for (const SharedPiece& piece : pieces_) ids.push_back(piece->id);
   std::ranges::sort(ids);
   return ids;
-}
-
-BackgroundTet BackgroundStore::name_of(std::uint32_t tet) const {
-  const auto after = std::ranges::upper_bound(joined_, tet, {}, &Joined::first_tet);
-  const Joined& joined = *std::prev(after);
-  return {joined.id, tet - joined.first_tet};
 }
 
 }  // namespace weft::partition

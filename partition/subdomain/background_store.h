@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <ranges>
 #include <span>
 #include <unordered_map>
@@ -13,6 +12,7 @@
 
 #include "meshing/metric/background.h"
 #include "partition/subdomain/global_id.h"
+#include "partition/subdomain/shared_pieces.h"
 
 namespace weft::partition {
 
@@ -30,8 +30,11 @@ struct BackgroundPiece {
   std::vector<meshing::LogMetric> log_metrics;
   std::vector<OpenFace> border;  ///< by name
   std::vector<std::array<std::uint32_t, 4>> tets;
-  std::vector<std::array<std::uint32_t, 4>>
-      neighbours;  ///< as meshing::Adjacency; kNoNeighbour at the piece's border
+  /// As meshing::Adjacency; at the piece's border BackgroundBlock::kOpen and the place in `border`.
+  std::vector<std::array<std::uint32_t, 4>> neighbours;
+
+  /// Puts the places in `border` into `neighbours`.
+  void number_open_faces();
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -61,7 +64,7 @@ void serialize_pieces(Archive& archive, Pieces&& pieces) {
 
 /// Small enough that a parcel takes little more background than it needs, large enough that the faces between
 /// pieces, which have to be matched, are few.
-inline constexpr std::size_t kTetsOfPiece = 512;
+inline constexpr std::size_t kTetsOfPiece = meshing::BackgroundBlock::kMostTets;
 
 /// Pieces of a background that is another mesh than the input have ids with this bit.
 inline constexpr std::uint64_t kOfAnotherMesh = std::uint64_t{1} << 63;
@@ -80,8 +83,7 @@ struct BackgroundTet {
 };
 
 /// Joined pieces, which answer as one meshing::Background. Tets keep their numbers (the hints of vertices)
-/// when pieces are added. What is joined is kept, not the pieces: whoever asks for one gets a copy, the same
-/// as others as long as somebody has it.
+/// when pieces are added. The pieces may be others' too (share()): its own is how they are joined.
 class BackgroundStore {
  public:
   using SharedPiece = std::shared_ptr<const BackgroundPiece>;
@@ -89,59 +91,52 @@ class BackgroundStore {
   BackgroundStore() = default;
 
   /// Cuts the start of a subdomain into pieces, as cut_background(), and joins them: their faces are matched
-  /// already in `adjacency`, that of the tets. `tets` must be in an order in which neighbours are near each
-  /// other.
+  /// already in `adjacency`, that of the tets, which keep their numbers. `tets` must be in an order in which
+  /// neighbours are near each other.
   BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
                   std::span<const meshing::LogMetric> log_metrics, std::span<const GlobalId> ids,
-                  std::span<const std::array<std::uint32_t, 4>> tets, meshing::Adjacency adjacency);
+                  std::span<const std::array<std::uint32_t, 4>> tets, const meshing::Adjacency& adjacency);
 
   /// Whether it is another mesh than the input: its faces and the input's have nothing in common.
-  bool of_another_mesh() const { return !joined_.empty() && (joined_.front().id & kOfAnotherMesh) != 0; }
+  bool of_another_mesh() const { return !pieces_.empty() && (pieces_.front()->id & kOfAnotherMesh) != 0; }
 
   /// Joins pieces; those that are here already are passed over.
   void add(std::span<const SharedPiece> pieces);
 
-  bool has(std::uint64_t piece) const { return place_.contains(piece); }
-  std::size_t num_pieces() const { return joined_.size(); }
+  bool has(std::uint64_t piece) const { return slot_.contains(piece); }
+  std::size_t num_pieces() const { return pieces_.size(); }
   /// Of those that are here, in the order in which they came; `ids` ascend.
   std::vector<SharedPiece> pieces(std::span<const std::uint64_t> ids) const;
-  /// In the order in which they came, each made when it is looked at.
-  auto all_pieces() const {
-    return std::views::iota(std::size_t{0}, joined_.size()) |
-           std::views::transform([this](std::size_t i) { return piece(i); });
-  }
+  /// In the order in which they came.
+  std::span<const SharedPiece> all_pieces() const { return pieces_; }
   /// Of all pieces, ascending.
   std::vector<std::uint64_t> piece_ids() const;
 
-  BackgroundTet name_of(std::uint32_t tet) const;
-  std::uint32_t tet_of(const BackgroundTet& name) const { return place_.at(name.piece) + name.tet; }
+  BackgroundTet name_of(std::uint32_t tet) const {
+    return {pieces_[tet / kTetsOfPiece]->id, static_cast<std::uint32_t>(tet % kTetsOfPiece)};
+  }
+  std::uint32_t tet_of(const BackgroundTet& name) const {
+    return slot_.at(name.piece) * static_cast<std::uint32_t>(kTetsOfPiece) + name.tet;
+  }
 
   const meshing::Background& background() const { return *background_; }
+
+  /// Puts the rank's copies in the place of its own.
+  void share(SharedPieces<BackgroundPiece>& of_rank);
 
  private:
   using OpenFace = BackgroundPiece::OpenFace;
 
-  /// What is known of a piece beside what has been joined.
-  struct Joined {
-    std::uint64_t id = 0;
-    std::uint32_t first_point = 0, first_tet = 0;
-    mutable std::vector<OpenFace> border;               ///< empty: not looked for yet
-    mutable std::weak_ptr<const BackgroundPiece> copy;  ///< that somebody may have
-  };
+  void append(SharedPiece piece);
+  std::uint32_t& across(const OpenFace& face) { return across_[face.code >> 32][face.code & 0xFFFFFFFFu]; }
+  std::uint32_t code_of(const OpenFace& face) const;
+  void join_faces(std::vector<OpenFace> open);
+  void refer_to_pieces();
 
-  SharedPiece piece(std::size_t place) const;
-  void make_room(std::span<const SharedPiece> pieces, meshing::Adjacency& adjacency);
-  void append(const BackgroundPiece& piece, meshing::Adjacency& adjacency);
-  void join_faces(std::vector<OpenFace> open, meshing::Adjacency& adjacency);
-
-  std::vector<Joined> joined_;
-  std::unordered_map<std::uint64_t, std::uint32_t> place_;  ///< id of a piece -> its first tet
-  std::vector<OpenFace> border_;                            ///< what is still open, by name
-  std::vector<GlobalId> names_;                             ///< of the points of pieces that were cut here
-  // Held by pointer: the background refers to them, and the store may move.
-  std::unique_ptr<meshing::MeshData> mesh_ = std::make_unique<meshing::MeshData>();
-  std::unique_ptr<std::vector<meshing::LogMetric>> log_metrics_ =
-      std::make_unique<std::vector<meshing::LogMetric>>();
+  std::vector<SharedPiece> pieces_;
+  std::unordered_map<std::uint64_t, std::uint32_t> slot_;  ///< id of a piece -> its place
+  std::vector<std::vector<std::uint32_t>> across_;         ///< [place][open face]: meshing::BackgroundBlock
+  std::vector<OpenFace> border_;  ///< what is still open, by name; codes: place and place in its border
   std::unique_ptr<meshing::Background> background_;
 };
 

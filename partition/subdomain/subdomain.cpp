@@ -49,9 +49,8 @@ void fill_tets(const SubdomainStart& s, const meshing::Adjacency& adjacency, mes
   for (const auto& e : s.feature_edges) mesh.set_curve(VertexId(e.ends[0]), VertexId(e.ends[1]), e.curve);
 }
 
-BackgroundStore background_of(const SubdomainStart& s, meshing::Adjacency adjacency) {
-  if (s.background_places.empty())
-    return {s.subdomain, s.points, s.log_metrics, s.ids, s.tets, std::move(adjacency)};
+BackgroundStore background_of(const SubdomainStart& s, const meshing::Adjacency& adjacency) {
+  if (s.background_places.empty()) return {s.subdomain, s.points, s.log_metrics, s.ids, s.tets, adjacency};
   BackgroundStore store;
   store.add(s.background);
   return store;
@@ -64,10 +63,10 @@ Subdomain::Subdomain(const SubdomainStart& start, std::size_t capacity)
       next_local(std::uint64_t{1} << (GlobalId::kLocalBits - 1)),  // beyond all numbers of the input
       mesh(meshing::reserve_tet_mesh({vertex_capacity(capacity), capacity},
                                      {start.points.size(), start.tets.size()}, meshing::Pages::small)) {
-  meshing::Adjacency adjacency = meshing::build_adjacency(start.tets, start.points.size());
+  const meshing::Adjacency adjacency = meshing::build_adjacency(start.tets, start.points.size());
   fill_vertices(start, *mesh);
   fill_tets(start, adjacency, *mesh);
-  background = background_of(start, std::move(adjacency));
+  background = background_of(start, adjacency);
   surface.add(start.surface);
   for (std::uint32_t v = 0; v < start.background_places.size(); ++v)
     mesh->set_background_hint(VertexId(v), background.tet_of(start.background_places[v]));

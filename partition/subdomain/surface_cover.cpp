@@ -93,18 +93,9 @@ void drop_far_surface(Subdomain& s) {
   s.surface = std::move(near);
 }
 
-void SharedSurface::share(meshing::SurfacePieces& pieces) {
+void share_surface(meshing::SurfacePieces& pieces, SharedPieces<meshing::SurfacePiece>& of_rank) {
   std::vector<meshing::SurfacePieces::Piece> shared(pieces.all().begin(), pieces.all().end());
-  {
-    const std::lock_guard lock(mutex_);
-    for (meshing::SurfacePieces::Piece& piece : shared) {
-      std::weak_ptr<const meshing::SurfacePiece>& known = known_[piece->id];
-      if (auto there = known.lock())
-        piece = std::move(there);
-      else
-        known = piece;
-    }
-  }
+  of_rank.share(shared);
   pieces = {};
   pieces.add(shared);
 }

@@ -2,16 +2,14 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "meshing/base/box.h"
 #include "meshing/base/point.h"
 #include "meshing/geometry/surface/surface.h"
 #include "meshing/geometry/surface/surface_piece.h"
+#include "partition/subdomain/shared_pieces.h"
 #include "partition/subdomain/subdomain.h"
 #include "partition/subdomain/subdomain_start.h"
 
@@ -48,16 +46,8 @@ class SurfaceCover {
 /// Gives back the pieces that are no longer near the subdomain's mesh.
 void drop_far_surface(Subdomain& subdomain);
 
-/// One copy on a rank of each piece that any of its subdomains has, whichever way it came. From any thread.
-class SharedSurface {
- public:
-  /// Puts the rank's copies in the place of these.
-  void share(meshing::SurfacePieces& pieces);
-
- private:
-  std::mutex mutex_;
-  std::unordered_map<std::uint32_t, std::weak_ptr<const meshing::SurfacePiece>> known_;  ///< by id
-};
+/// Puts the rank's copies in the place of these.
+void share_surface(meshing::SurfacePieces& pieces, SharedPieces<meshing::SurfacePiece>& of_rank);
 
 /// What a start's vertices, hints, tets and boundary faces ask for.
 SurfaceCover cover_of(const SubdomainStart& start);

@@ -35,15 +35,24 @@ bool same_bits(const meshing::Point& a, const meshing::Point& b) {
 }
 
 void expect_same_background(const BackgroundStore& a, const BackgroundStore& b) {
-  const MeshData &x = a.background().mesh(), &y = b.background().mesh();
-  ASSERT_EQ(x.tets, y.tets);
-  EXPECT_TRUE(std::ranges::equal(x.points, y.points, same_bits));
-  EXPECT_EQ(a.background().adjacency().neighbours, b.background().adjacency().neighbours);
-  for (std::uint32_t t = 0; t < x.tets.size(); t += 17) {
-    EXPECT_EQ(a.name_of(t).piece, b.name_of(t).piece);
-    EXPECT_EQ(a.name_of(t).tet, b.name_of(t).tet);
-    const meshing::Point p = centre_of(x, x.tets[t]);
-    EXPECT_EQ(a.background().at(p, t).log_metric, b.background().at(p, t).log_metric);
+  const auto x = a.all_pieces(), y = b.all_pieces();
+  ASSERT_EQ(x.size(), y.size());
+  for (std::size_t p = 0; p < x.size(); ++p) {
+    ASSERT_EQ(x[p]->id, y[p]->id);
+    ASSERT_EQ(x[p]->tets, y[p]->tets);
+    EXPECT_EQ(x[p]->neighbours, y[p]->neighbours);
+    EXPECT_TRUE(std::ranges::equal(x[p]->points, y[p]->points, same_bits));
+    for (std::uint32_t t = 0; t < x[p]->tets.size(); ++t)
+      for (int f = 0; f < 4; ++f) {
+        const std::uint32_t number = a.tet_of({x[p]->id, t});
+        EXPECT_EQ(a.background().neighbour(number, f), b.background().neighbour(number, f));
+      }
+    for (std::uint32_t t = 0; t < x[p]->tets.size(); t += 17) {
+      meshing::Point centre;
+      for (const std::uint32_t v : x[p]->tets[t]) centre += 0.25 * x[p]->points[v];
+      const std::uint32_t number = a.tet_of({x[p]->id, t});
+      EXPECT_EQ(a.background().at(centre, number).log_metric, b.background().at(centre, number).log_metric);
+    }
   }
 }
 

@@ -44,14 +44,13 @@ class Whole {
   std::unique_ptr<Background> background;
 };
 
-Point random_point_in(const std::array<std::uint32_t, 4>& tet, const std::vector<Point>& points,
-                      std::mt19937& random) {
+Point random_point_in(const std::array<Point, 4>& tet, std::mt19937& random) {
   std::exponential_distribution<double> weight(1);
   std::array<double, 4> w;
   double sum = 0;
   for (double& x : w) sum += x = weight(random);
   Point p;
-  for (int i = 0; i < 4; ++i) p += (w[i] / sum) * points[tet[i]];
+  for (int i = 0; i < 4; ++i) p += (w[i] / sum) * tet[i];
   return p;
 }
 
@@ -61,20 +60,38 @@ void expect_same(const LogMetric& a, const LogMetric& b) {
     EXPECT_NEAR(a.*member, b.*member, 1e-9);
 }
 
+struct NumberedTet {
+  std::uint32_t number;
+  std::array<Point, 4> corners;
+};
+
+/// All of them, in the order of their numbers.
+std::vector<NumberedTet> tets_of(const BackgroundStore& store) {
+  std::vector<NumberedTet> tets;
+  for (const auto& piece : store.all_pieces())
+    for (std::uint32_t t = 0; t < piece->tets.size(); ++t) {
+      tets.push_back({store.tet_of({piece->id, t}), {}});
+      for (std::size_t i = 0; i < 4; ++i) tets.back().corners[i] = piece->points[piece->tets[t][i]];
+    }
+  return tets;
+}
+
 /// At random points of the tets that the store has, from any hint.
 void expect_answers(const BackgroundStore& store, const Whole& whole, unsigned seed) {
   std::mt19937 random(seed);
-  const meshing::MeshData& mesh = store.background().mesh();
+  const std::vector<NumberedTet> tets = tets_of(store);
   for (int i = 0; i < 300; ++i) {
-    const auto tet = static_cast<std::uint32_t>(random() % mesh.tets.size());
-    const Point p = random_point_in(mesh.tets[tet], mesh.points, random);
+    const NumberedTet& tet = tets[random() % tets.size()];
+    const Point p = random_point_in(tet.corners, random);
     const LogMetric expected = whole.background->at(p, Background::kNoHint).log_metric;
-    expect_same(store.background().at(p, tet).log_metric, expected);
-    const auto place = store.background().locate(p, static_cast<std::uint32_t>(random() % mesh.tets.size()));
+    expect_same(store.background().at(p, tet.number).log_metric, expected);
+    const auto from = tets[random() % tets.size()].number;
+    const auto place = store.background().locate(p, from);
     EXPECT_EQ(place.distance2, 0);
+    const BackgroundTet name = store.name_of(place.tet);
+    const auto piece = store.pieces({{name.piece}}).front();
     LogMetric there;
-    for (int k = 0; k < 4; ++k)
-      there = there + place.at[k] * store.background().log_metric(mesh.tets[place.tet][k]);
+    for (int k = 0; k < 4; ++k) there = there + place.at[k] * piece->log_metrics[piece->tets[name.tet][k]];
     expect_same(there, expected);
   }
 }
@@ -95,7 +112,7 @@ TEST(BackgroundStore, AnswersWhereItCovers) {
     std::size_t tets = 0;
     for (SubdomainId s(0); s.value < 4; ++s.value) {
       const BackgroundStore store = whole.store(s, part);
-      tets += store.background().mesh().tets.size();
+      tets += tets_of(store).size();
       expect_answers(store, whole, seed);
     }
     EXPECT_EQ(tets, whole.mesh.tets.size());
@@ -105,13 +122,14 @@ TEST(BackgroundStore, AnswersWhereItCovers) {
 /// As many joined faces as the tets that are here have in common.
 std::size_t count_joined(const BackgroundStore& store) {
   std::size_t joined = 0;
-  const auto& neighbours = store.background().adjacency().neighbours;
-  for (std::uint32_t t = 0; t < neighbours.size(); ++t)
-    for (std::uint32_t f = 0; f < 4; ++f) {
-      const std::uint32_t other = neighbours[t][f];
+  const Background& background = store.background();
+  for (const NumberedTet& tet : tets_of(store))
+    for (int f = 0; f < 4; ++f) {
+      const std::uint32_t other = background.neighbour(tet.number, f);
       if (other == meshing::kNoNeighbour) continue;
       ++joined;
-      EXPECT_EQ(neighbours[other >> 2][other & 3], 4 * t + f);
+      EXPECT_EQ(background.neighbour(other >> 2, static_cast<int>(other & 3)),
+                4 * tet.number + static_cast<std::uint32_t>(f));
     }
   return joined;
 }
@@ -138,7 +156,7 @@ TEST(BackgroundStore, PiecesJoinInAnyOrderAndOnlyOnce) {
       i = end;
     }
     EXPECT_EQ(joined.all_pieces().size(), all.size());
-    EXPECT_EQ(joined.background().mesh().tets.size(), whole.mesh.tets.size());
+    EXPECT_EQ(tets_of(joined).size(), whole.mesh.tets.size());
     std::size_t common = 0;
     for (const auto& n : whole.background->adjacency().neighbours)
       common += 4 - static_cast<std::size_t>(std::count(n.begin(), n.end(), meshing::kNoNeighbour));
@@ -151,9 +169,10 @@ TEST(BackgroundStore, NamesAndNumbersRoundTripAndStay) {
   const Whole whole(2);
   const auto part = parts(whole.mesh, 3, 0, 2);
   BackgroundStore store = whole.store(SubdomainId(1), part);
-  const auto own = static_cast<std::uint32_t>(store.background().mesh().tets.size());
+  const std::vector<NumberedTet> own = tets_of(store);
   std::vector<BackgroundTet> names;
-  for (std::uint32_t t = 0; t < own; ++t) {
+  for (std::uint32_t t = 0; t < own.size(); ++t) {
+    EXPECT_EQ(own[t].number, t) << "those of its start keep their numbers";
     names.push_back(store.name_of(t));
     EXPECT_TRUE(store.has(names[t].piece));
     EXPECT_EQ(store.tet_of(names[t]), t);
@@ -162,16 +181,14 @@ TEST(BackgroundStore, NamesAndNumbersRoundTripAndStay) {
     const BackgroundStore there = whole.store(other, part);
     store.add(there.pieces(there.piece_ids()));
   }
-  for (std::uint32_t t = 0; t < own; ++t) EXPECT_EQ(store.tet_of(names[t]), t);
+  for (std::uint32_t t = 0; t < own.size(); ++t) EXPECT_EQ(store.tet_of(names[t]), t);
   const BackgroundStore fresh = whole.store(SubdomainId(2), part);
-  for (std::uint32_t t = 0; t < fresh.background().mesh().tets.size(); ++t) {
+  const std::vector<NumberedTet> here = tets_of(store);
+  for (const NumberedTet& tet : tets_of(fresh)) {
     // Another subdomain finds the same tet by its name: the same corners.
-    const std::uint32_t here = store.tet_of(fresh.name_of(t));
-    for (int i = 0; i < 4; ++i) {
-      const Point a = fresh.background().mesh().points[fresh.background().mesh().tets[t][i]];
-      const Point b = store.background().mesh().points[store.background().mesh().tets[here][i]];
-      EXPECT_EQ(norm(a - b), 0);
-    }
+    const std::uint32_t number = store.tet_of(fresh.name_of(tet.number));
+    const auto same = std::ranges::lower_bound(here, number, {}, &NumberedTet::number);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(norm(tet.corners[i] - same->corners[i]), 0);
   }
 }
 
@@ -186,6 +203,31 @@ TEST(BackgroundStore, GivesPiecesByTheirIds) {
   EXPECT_EQ(found[0], store.all_pieces()[0]);
   EXPECT_EQ(found[1], store.all_pieces()[2]);
   EXPECT_TRUE(store.pieces({}).empty());
+}
+
+/// Subdomains of a rank have a piece in one copy, whichever way it came, and answer as before; what nobody
+/// has any more is gone.
+TEST(BackgroundStore, PiecesAreOnceOnARank) {
+  const Whole whole(1);
+  const auto part = parts(whole.mesh, 2, 0, 1);
+  SharedPieces<BackgroundPiece> rank;
+  BackgroundStore a = whole.store(SubdomainId(0), part);
+  {
+    BackgroundStore b = whole.store(SubdomainId(1), part);
+    Pieces arrived;  // copies, as other ranks send them
+    for (const auto& piece : a.all_pieces()) arrived.push_back(std::make_shared<BackgroundPiece>(*piece));
+    b.add(arrived);
+    a.share(rank);
+    b.share(rank);
+    for (const auto& piece : a.all_pieces()) {
+      EXPECT_EQ(b.pieces({{piece->id}}).front(), piece);
+      EXPECT_EQ(piece.use_count(), 2);
+    }
+    arrived.clear();
+    expect_answers(a, whole, 1);
+    expect_answers(b, whole, 2);
+  }
+  for (const auto& piece : a.all_pieces()) EXPECT_EQ(piece.use_count(), 1);
 }
 
 TEST(BackgroundStore, StaysValidWhenMoved) {

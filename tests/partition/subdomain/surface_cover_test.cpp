@@ -111,7 +111,7 @@ TEST(SurfaceCover, WhoDividesKeepsWhatIsNear) {
   }
 }
 
-TEST(SharedSurface, HasOneCopyOfEachPiece) {
+TEST(SharedPieces, SurfaceIsOnceOnARank) {
   const meshing::Surface surface(ball(4, 1), {});
   const auto copies = [&](std::size_t first, std::size_t count) {
     meshing::SurfacePieces pieces;
@@ -121,16 +121,16 @@ TEST(SharedSurface, HasOneCopyOfEachPiece) {
     }
     return pieces;
   };
-  SharedSurface shared;
+  SharedPieces<meshing::SurfacePiece> shared;
   meshing::SurfacePieces a = copies(0, 6), b = copies(4, 6);
-  for (auto* pieces : {&a, &b}) shared.share(*pieces);
+  for (auto* pieces : {&a, &b}) share_surface(*pieces, shared);
   EXPECT_EQ(a.all().size(), 6u);
   EXPECT_EQ(b.all().size(), 6u);
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(a.all()[4 + i], b.all()[i]);
   EXPECT_EQ(b.piece_of(meshing::surface_name(4, 0)), a.all()[4].get());
   a = b = {};
   meshing::SurfacePieces c = copies(0, 1);
-  shared.share(c);
+  share_surface(c, shared);
   EXPECT_EQ(c.all().size(), 1u) << "those that nobody has any more are gone";
 }
 
