@@ -20,7 +20,7 @@ MESHING = {
     "meshing/cad": ["base", "mesh", "geometry/model", "io/files"],
     "meshing/metric": ["base", "mesh", "mesh/repair", *GEOMETRY],
     "meshing/metric/sources": ["base", "mesh", *GEOMETRY, "metric"],
-    "meshing/fields": ["base", "mesh", "metric"],
+    "meshing/fields": ["base", "mesh", *GEOMETRY, "metric"],
     "meshing/io/files": ["base", "mesh"],
     "meshing/io/gmf": ["base", "mesh", "io/files"],
     "meshing/io/vtk": ["base", "mesh", "io/files"],

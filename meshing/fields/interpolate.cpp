@@ -10,7 +10,6 @@
 #include "meshing/base/parallel.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/predicates.h"
-#include "meshing/metric/background.h"
 
 namespace weft::meshing {
 namespace {
@@ -27,7 +26,7 @@ double six_volume_of(const MeshData& mesh, std::size_t t) {
   return std::max(0.0, six_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]));
 }
 
-void read(const ValueTable& table, const std::array<std::uint32_t, 4>& tet, const Background::Barycentric& at,
+void read(const ValueTable& table, const std::array<std::uint32_t, 4>& tet, const std::array<double, 4>& at,
           double* to) {
   for (std::size_t c = 0; c < table.columns; ++c) {
     double sum = 0;
@@ -36,6 +35,12 @@ void read(const ValueTable& table, const std::array<std::uint32_t, 4>& tet, cons
       if (at[i] > 0) sum += at[i] * table.values[tet[i] * table.columns + c];
     to[c] = sum;
   }
+}
+
+bool is_outside(const MeshData& mesh, const TetLocator::Place& place) {
+  constexpr double kRounding = 1e-12;  // of the square of a tet's size
+  const auto& tet = mesh.tets[place.tet];
+  return place.distance2 > kRounding * norm2(mesh.points[tet[1]] - mesh.points[tet[0]]);
 }
 
 std::size_t width(const Field& field) { return static_cast<std::size_t>(components(field.kind)); }
@@ -48,10 +53,10 @@ void check_volumes(const MeshData& mesh) {
     throw InputError("", "tet " + std::to_string(bad + 1), "has no volume or is inverted");
 }
 
-Background field_background(const MeshData& from) {
+TetLocator locator_in(const MeshData& from) {
   if (from.tets.empty()) throw InputError("", "", "has no tetrahedra");
   check_volumes(from);
-  return {from, {}, build_adjacency(from.tets, from.points.size())};
+  return {from, build_adjacency(from.tets, from.points.size())};
 }
 
 ValueTable packed(const SolutionData& fields) {
@@ -82,32 +87,35 @@ void unpack(const ValueTable& table, SolutionData& fields) {
 }
 
 Interpolation interpolate(const MeshData& from, const SolutionData& fields, const MeshData& to) {
-  const ValuesAt read = interpolate(field_background(from), packed(fields), to.points);
+  const ValuesAt read = interpolate(locator_in(from), packed(fields), to.points);
   Interpolation result;
   for (const Field& field : fields.fields) result.fields.fields.push_back({field.kind, {}, field.name});
   unpack(read.table, result.fields);
   result.fields.num_points = to.points.size();
-  for (const double distance : read.distances) {
-    result.farthest = std::max(result.farthest, distance);
-    result.outside += distance > 0;
+  for (std::size_t v = 0; v < to.points.size(); ++v) {
+    if (!read.outside[v]) continue;
+    result.farthest = std::max(result.farthest, read.distances[v]);
+    ++result.outside;
   }
   return result;
 }
 
-ValuesAt interpolate(const Background& from, const ValueTable& table, std::span<const Point> points) {
+ValuesAt interpolate(const TetLocator& from, const ValueTable& table, std::span<const Point> points) {
   WEFT_ASSERT_LIGHT(table.values.size() == table.columns * from.mesh().points.size(), "one value a vertex");
   // Vertices in pieces of fixed size, each walking from where its last one was: no result depends on threads.
   constexpr std::size_t kPiece = 256;
   const std::size_t n = points.size();
   ValuesAt result{{table.columns, std::vector<double>(n * table.columns)},
                   std::vector<std::uint32_t>(n),
-                  std::vector<double>(n)};
+                  std::vector<double>(n),
+                  std::vector<std::uint8_t>(n)};
   tbb::parallel_for(std::size_t{0}, (n + kPiece - 1) / kPiece, [&](std::size_t piece) {
-    std::uint32_t hint = Background::kNoHint;
+    std::uint32_t hint = TetLocator::kNoHint;
     for (std::size_t v = piece * kPiece; v < std::min(n, (piece + 1) * kPiece); ++v) {
-      const Background::Place place = from.locate_first(points[v], hint);
+      const TetLocator::Place place = from.locate(points[v], hint);
       result.places[v] = hint = place.tet;
       result.distances[v] = std::sqrt(place.distance2);
+      result.outside[v] = is_outside(from.mesh(), place);
       read(table, from.mesh().tets[place.tet], place.at, result.table.values.data() + v * table.columns);
     }
   });

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "meshing/base/value_table.h"
+#include "meshing/fields/tet_locator.h"
 #include "meshing/mesh/mesh_data.h"
-#include "meshing/metric/background.h"
 
 namespace weft::meshing {
 
@@ -21,7 +21,8 @@ struct Interpolation {
 struct ValuesAt {
   ValueTable table;
   std::vector<std::uint32_t> places;  ///< for each point the tet that it was read in
-  std::vector<double> distances;      ///< of each point from the mesh; 0 within 1e-6 of a tet's size
+  std::vector<double> distances;      ///< of each point from the mesh
+  std::vector<std::uint8_t> outside;  ///< whether by more than 1e-6 of a tet's size
 };
 
 /// Every field of `fields`, given at the vertices of `from`, at those of `to`: linear in each tet, exact for
@@ -31,12 +32,12 @@ struct ValuesAt {
 /// InputError naming the tet of `from` (1-based) that has no volume or is inverted, and for a `from` without
 /// tets.
 Interpolation interpolate(const MeshData& from, const SolutionData& fields, const MeshData& to);
-/// The same for values at the vertices of a background, whose tets all have positive volumes.
-ValuesAt interpolate(const Background& from, const ValueTable& table, std::span<const Point> points);
+/// The same for values at the vertices of the mesh in which points are located.
+ValuesAt interpolate(const TetLocator& from, const ValueTable& table, std::span<const Point> points);
 /// Throws InputError naming the first tet (1-based) that has no volume or is inverted.
 void check_volumes(const MeshData& mesh);
-/// A background without metrics, to interpolate from. Throws as interpolate() does.
-Background field_background(const MeshData& from);
+/// To interpolate from. Throws as interpolate() does.
+TetLocator locator_in(const MeshData& from);
 
 /// All components of all fields, those of one vertex together.
 ValueTable packed(const SolutionData& fields);

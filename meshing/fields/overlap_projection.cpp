@@ -9,6 +9,7 @@
 #include <limits>
 #include <string>
 
+#include "meshing/base/box.h"
 #include "meshing/base/parallel.h"
 #include "meshing/base/small_set.h"
 #include "meshing/fields/tet_overlap.h"
@@ -24,6 +25,12 @@ std::array<Point, 4> corners_of(const MeshData& mesh, std::size_t t) {
   return {mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]};
 }
 
+Box box_of(const std::array<Point, 4>& corners) {
+  Box box;
+  for (const Point& p : corners) box.include(p);
+  return box;
+}
+
 double volume_of(const std::array<Point, 4>& x) {
   return std::max(0.0, six_volume(x[0], x[1], x[2], x[3]) / 6);  // a flat tet may compute a negative volume
 }
@@ -35,10 +42,12 @@ struct Receipt {
   std::vector<double> lo, hi;
 };
 
-/// Finds the tets of the old mesh that a new one overlaps, by their neighbours. One thread's scratch.
+/// Finds the tets of the old mesh that a new one overlaps, by their neighbours. Where that begins depends on
+/// the two meshes alone, and whether it goes on to a neighbour on two tets alone: so does what is found, down
+/// to what only touches by rounding. One thread's scratch.
 class Receiver {
  public:
-  Receiver(const Background& from, const ValueTable& old) : from_(from), old_(old) {}
+  Receiver(const TetLocator& from, const ValueTable& old) : from_(from), old_(old) {}
 
   void receive(const MeshData& to, std::size_t t, std::span<const std::uint32_t> places,
                const ValueTable& interpolated, Receipt& receipt) {
@@ -53,7 +62,7 @@ class Receiver {
     const auto& tet = to.tets[t];
     if (!(volume > 0)) return complete(tet, 0, interpolated, receipt);  // flat: it receives bounds alone
     const Point centre = midpoint(midpoint(corners_[0], corners_[1]), midpoint(corners_[2], corners_[3]));
-    collect(from_.locate_first(centre, places[tet[0]]).tet);
+    if (const auto place = from_.locate(centre, places[tet[0]]); place.inside) collect(place.tet);
     // A new tet can reach several parts of an old mesh that is not convex.
     for (const std::uint32_t v : tet) collect(places[v]);
     const double covered = add_parts(receipt);
@@ -77,7 +86,8 @@ class Receiver {
       pending_.pop_back();
       const std::array<Point, 4> old_corners = corners_of(from_.mesh(), old_tet);
       const bool flat = !(volume_of(old_corners) > 0);  // it has no part of anything, but lies on the way
-      if (!flat && !overlap_.find(corners_, old_corners)) continue;
+      if (flat ? !box_of(corners_).meets(box_of(old_corners)) : !overlap_.find(corners_, old_corners))
+        continue;
       if (!flat) keep_part(old_tet);
       const unsigned faces = flat ? 0b1111 : overlap_.faces_of_second();
       const auto& neighbours = from_.adjacency().neighbours[old_tet];
@@ -119,9 +129,9 @@ class Receiver {
     }
   }
 
-  /// In the order of the old tets, so that sums do not depend on where the search began. Returns the volume.
+  /// In the order of the old tets' vertices, which those of a part of the mesh have too. Returns the volume.
   double add_parts(Receipt& receipt) {
-    std::ranges::sort(parts_, {}, &Part::old_tet);
+    std::ranges::sort(parts_, {}, [&](const Part& part) { return from_.mesh().tets[part.old_tet]; });
     double covered = 0;
     for (const Part& part : parts_) {
       covered += part.volume;
@@ -151,7 +161,7 @@ class Receiver {
     }
   }
 
-  const Background& from_;
+  const TetLocator& from_;
   const ValueTable& old_;
   SmallSet seen_;
   std::vector<std::uint32_t> pending_;
@@ -167,7 +177,7 @@ struct Demands {
 };
 
 /// Not all where this part is interrupted.
-Demands demands_of(const Background* from, const ValueTable& old, const MetricDomain& domain,
+Demands demands_of(const TetLocator* from, const ValueTable& old, const MetricDomain& domain,
                    std::span<const std::uint32_t> places, const ValueTable& interpolated) {
   const MeshData& to = domain.mesh();
   // Tets in batches that are worked out in parallel and added up in order: sums do not depend on the threads.
@@ -263,7 +273,7 @@ std::vector<double> integrals(const MetricDomain& domain, const ValueTable& tabl
   return sums;
 }
 
-std::optional<std::vector<double>> project(const Background* from, const ValueTable& old,
+std::optional<std::vector<double>> project(const TetLocator* from, const ValueTable& old,
                                            const MetricDomain& to, std::span<const std::uint32_t> places,
                                            std::span<const double> wanted,
                                            std::span<const TensorColumns> tensors, ValueTable& table,

@@ -9,8 +9,8 @@
 
 #include "meshing/base/value_table.h"
 #include "meshing/fields/tensor_limiter.h"
+#include "meshing/fields/tet_locator.h"
 #include "meshing/mesh/mesh_data.h"
-#include "meshing/metric/background.h"
 #include "meshing/metric/metric_domain.h"
 
 namespace weft::meshing {
@@ -26,7 +26,7 @@ std::vector<double> integrals(const MetricDomain& domain, const ValueTable& tabl
 /// interrupted before the overlaps are known. Throws InputError for a tet of `to` without volume.
 /// `from` may be null where `to` has no tets here. `old_is_read`: called once nothing of `from`, `old` and
 /// `places` is read any more.
-std::optional<std::vector<double>> project(const Background* from, const ValueTable& old,
+std::optional<std::vector<double>> project(const TetLocator* from, const ValueTable& old,
                                            const MetricDomain& to, std::span<const std::uint32_t> places,
                                            std::span<const double> wanted,
                                            std::span<const TensorColumns> tensors, ValueTable& table,

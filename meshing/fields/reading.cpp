@@ -18,9 +18,10 @@ Reading read(MeshPair& meshes, MeshPair::Way way, const ValueTable& at_part) {
       reading.at.table.columns = at_part.columns;
     } else if (source.tets.empty()) {
       reading.at.distances.assign(points.size(), std::numeric_limits<double>::infinity());
+      reading.at.outside.assign(points.size(), 1);
     } else {
-      reading.background.reset(new Background(field_background(source)));
-      reading.at = interpolate(*reading.background, reading.source, points);
+      reading.locator.reset(new TetLocator(locator_in(source)));
+      reading.at = interpolate(*reading.locator, reading.source, points);
     }
     if (meshes.widen(way, reading.at.distances)) continue;
     to.refresh(at_part.columns, reading.at.table.values);

@@ -6,13 +6,13 @@
 #include "meshing/base/value_table.h"
 #include "meshing/fields/interpolate.h"
 #include "meshing/fields/mesh_pair.h"
-#include "meshing/metric/background.h"
+#include "meshing/fields/tet_locator.h"
 
 namespace weft::meshing {
 
 struct Reading {
-  std::unique_ptr<const Background> background;  ///< of MeshPair::source; null: there is nothing to read
-  ValueTable source;                             ///< at its vertices
+  std::unique_ptr<const TetLocator> locator;  ///< of MeshPair::source; null: there is nothing to read
+  ValueTable source;                          ///< at its vertices
   ValuesAt at;  ///< at the vertices of the part that reads; places are tets of the source
 };
 

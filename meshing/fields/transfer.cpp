@@ -131,12 +131,12 @@ using Way = MeshPair::Way;
 bool conserve(MeshPair& meshes, std::span<const double> wanted, const std::vector<TensorColumns>& tensors,
               Reading& reading, std::vector<ComponentAccount>& accounts) {
   const auto old_is_read = [&] {
-    reading.background.reset();
+    reading.locator.reset();
     release(reading.source.values);
     release(reading.at.places);
     meshes.release_source(Way::onto_new);
   };
-  const auto beyond = project(reading.background.get(), reading.source, meshes.new_mesh(), reading.at.places,
+  const auto beyond = project(reading.locator.get(), reading.source, meshes.new_mesh(), reading.at.places,
                               wanted, tensors, reading.at.table, old_is_read);
   if (!beyond) return false;
   for (std::size_t c = 0; c < accounts.size(); ++c) accounts[c].beyond_bounds = (*beyond)[c];
@@ -145,12 +145,13 @@ bool conserve(MeshPair& meshes, std::span<const double> wanted, const std::vecto
   return true;
 }
 
-void account_for_outside(const MetricDomain& to, std::span<const double> distances, Transfer& result) {
+void account_for_outside(const MetricDomain& to, const ValuesAt& at, Transfer& result) {
   double farthest = 0;
-  for (const double distance : distances) farthest = std::max(farthest, distance);
+  for (std::size_t v = 0; v < at.distances.size(); ++v)
+    if (at.outside[v]) farthest = std::max(farthest, at.distances[v]);
   result.farthest = to.max(farthest);
   result.outside = static_cast<std::uint64_t>(
-      std::llround(to.sum([&](std::size_t v) { return distances[v] > 0 ? 1.0 : 0.0; })));
+      std::llround(to.sum([&](std::size_t v) { return at.outside[v] ? 1.0 : 0.0; })));
 }
 
 void check_tets(const MeshPair& meshes) {
@@ -181,7 +182,7 @@ Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod m
   const ValueTable old = packed(extended);
   const std::vector<double> before = integrals(meshes.old_mesh(), old);
   Reading reading = read(meshes, Way::onto_new, old);
-  account_for_outside(meshes.new_mesh(), reading.at.distances, result);
+  account_for_outside(meshes.new_mesh(), reading.at, result);
   if (conservative && conserve(meshes, before, tensors, reading, result.accounts)) result.method = method;
   const ValueTable carried = std::move(reading.at.table);
   reading = {};

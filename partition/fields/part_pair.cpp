@@ -5,6 +5,23 @@
 #include <cmath>
 
 namespace weft::partition {
+namespace {
+
+/// For each vertex a thousandth of the size of its tets: what is computed of a point or a tet may be by
+/// rounding that of another one that it only touches.
+std::vector<double> reach_of_rounding(const meshing::MeshData& mesh) {
+  constexpr double kShare = 1e-3;
+  std::vector<double> reach(mesh.points.size(), 0);
+  for (const meshing::Tet& tet : mesh.tets) {
+    meshing::Box box;
+    for (const std::uint32_t v : tet) box.include(mesh.points[v]);
+    const double share = kShare * norm(box.size());
+    for (const std::uint32_t v : tet) reach[v] = std::max(reach[v], share);
+  }
+  return reach;
+}
+
+}  // namespace
 
 PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to,
                    const std::atomic<bool>* interrupt)
@@ -16,8 +33,8 @@ PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to, con
       old_(peers, from, 1, shares, interrupt),
       new_(meshing::of_new_mesh([&] { return PartDomain(peers, to, 1, shares, interrupt); })),
       diameter_(norm(shares.box.size())) {
-  sides_[false].reach.assign(new_.mesh().points.size(), 0);
-  sides_[true].reach.assign(old_.mesh().points.size(), 0);
+  sides_[false].reach = reach_of_rounding(new_.mesh());
+  sides_[true].reach = reach_of_rounding(old_.mesh());
 }
 
 const NearbyTets& PartPair::nearby(Way way) const {
@@ -32,7 +49,7 @@ const NearbyTets& PartPair::nearby(Way way) const {
 
 /// What is found at a distance is the nearest once all within it is there.
 bool PartPair::widen(Way way, std::span<const double> distances) {
-  constexpr double kRounding = 1 + 1e-12, kFirstReach = 1.0 / 64;
+  constexpr double kRounding = 1 + 1e-6, kFirstReach = 1.0 / 64;
   Side& s = sides_[way == Way::back];
   bool wider = false;
   for (std::size_t v = 0; v < distances.size(); ++v) {

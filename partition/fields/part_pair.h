@@ -17,8 +17,8 @@
 namespace weft::partition {
 
 /// Both meshes are dealt out anew, what lies together, of either, to one rank; the tets of the other mesh
-/// about a part come to it. All ranks call every function together. What is carried depends on the number of
-/// ranks by rounding alone.
+/// about a part come to it. All ranks call every function together. What is carried has the same bits for any
+/// number of ranks.
 class PartPair final : public meshing::MeshPair {
  public:
   /// Throws as PartDomain does, meshing::NewMeshError for a fault of `to`.
