@@ -17,6 +17,7 @@
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/distribute/slices.h"
 #include "tests/support/meshes.h"
+#include "tests/support/slivers.h"
 
 namespace weft::partition::transfer_in_parts_test {
 namespace {
@@ -192,10 +193,14 @@ TEST_P(TransferInParts, IsThatOfOneProcess) {
 }
 
 TEST_P(TransferInParts, HasTheBitsOfOneRank) {
-  // Structured meshes have vertices on each other's faces and edges, so that tets are not unique.
-  const std::pair<MeshData, MeshData> pairs[] = {{support::unit_cube(4), support::unit_cube(6)},
-                                                 {jittered(6, 1), jittered(9, 2)},
-                                                 {support::ball(1, 3), support::ball(2, 4)}};
+  // Structured meshes have vertices on each other's faces and edges, so that tets are not unique; turned they
+  // have them there but for rounding.
+  const std::pair<MeshData, MeshData> pairs[] = {
+      {support::unit_cube(4), support::unit_cube(6)},
+      {jittered(6, 1), jittered(9, 2)},
+      {support::ball(1, 3), support::ball(2, 4)},
+      {support::with_slivers(support::turned(jittered(6, 1)), 1),
+       support::with_slivers(support::turned(support::unit_cube(7)), 2)}};
   for (const auto& [from, to] : pairs)
     for (const TransferMethod method : {TransferMethod::linear, TransferMethod::conservative}) {
       const Transfer one = on_ranks(1, 0, from, to, method), many = on_ranks(GetParam(), 7, from, to, method);
