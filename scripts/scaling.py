@@ -142,7 +142,7 @@ def main():
     kept = book.folder / "recorded"
     recording = Recording(kept, bool(book.processor_times)) if options.reuse else book.record("recorded", options.subdomains)
     book.say(f"recorded: {recording.tasks} tasks, {recording.work:.3g} s of work")
-    whole = WholeCommand(book, options, options.subdomains * max(splits_for(options, 512))) if options.whole else None
+    whole = WholeCommand(book, options) if options.whole else None
     strong_rows, weak_rows = strong(book, options, whole), weak(book, options)
     text = text_of(book, strong_rows, weak_rows, options)
     (book.folder / "scaling.md").write_text(text)

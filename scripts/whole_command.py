@@ -14,9 +14,8 @@ NOTHING_CHANGES = ("--no-insert", "--no-swap", "--no-move", "--shifts", 0, "--fo
 
 
 class WholeCommand:
-    def __init__(self, book, options, subdomains):
-        """`subdomains` of the recorded size in the end."""
-        self.book, self.options, self.subdomains = book, options, subdomains
+    def __init__(self, book, options):
+        self.book, self.options = book, options
         self.start, self.result = book.folder / book.start_mesh(options.complexity), book.folder / "recorded.meshb"
         self.start_metric = book.metric_file or self.start.with_suffix(".solb")
         self.scale = options.copies * options.grow
@@ -48,21 +47,22 @@ class WholeCommand:
                         "--complexity", self.options.complexity * self.scale, *self.on_ranks(ranks, network))
         return float(re.search(r"^simulated: .*?: ([\d.e+-]+) s,", text, re.M).group(1))
 
-    def after_loop(self, name, *more):
-        text = self.run(name, self.result, self.result.with_suffix(".solb"), self.subdomains, *more)
+    def after_loop(self, name, subdomains, *more):
+        text = self.run(f"{name}-{subdomains}", self.result, self.result.with_suffix(".solb"), subdomains, *more)
         total, *before = (float(re.search(rf"^ +{part} +([\d.]+)", text, re.M).group(1))
                           for part in ("total", "read", "metric", "adapt", "of the input"))
         return total - sum(before)
 
-    def share_of_thread(self, threads):
-        one, two = (self.after_loop(f"threads-{n}-{self.subdomains}", "--threads", n) for n in (1, 2))
+    def share_of_thread(self, threads, subdomains):
+        one, two = (self.after_loop(f"threads-{n}", subdomains, "--threads", n) for n in (1, 2))
         serial = min(1.0, max(0.0, 2 * two / one - 1))
         return serial + (1 - serial) / threads
 
-    def end_seconds(self, ranks, threads, network):
+    def end_seconds(self, ranks, threads, subdomains, network):
+        """`subdomains` of the recorded mesh, each as large as in the case."""
         measured_on = self.options.end_ranks if ranks > 1 else 1
-        seconds = self.after_loop(f"end-{measured_on}-{self.subdomains}-{network}", *self.on_ranks(measured_on, network))
-        return seconds * measured_on / self.tets_recorded * self.more_tets / ranks * self.share_of_thread(threads)
+        seconds = self.after_loop(f"end-{measured_on}-{network}", subdomains, *self.on_ranks(measured_on, network))
+        return seconds * measured_on / self.tets_recorded * self.more_tets / ranks * self.share_of_thread(threads, subdomains)
 
     def disk_seconds(self):
         files = [self.start, self.start_metric], [self.result, self.result.with_suffix(".solb")]
@@ -71,5 +71,5 @@ class WholeCommand:
 
     def seconds(self, ranks, threads, subdomains, network):
         """All but the loop."""
-        return {"start": self.start_seconds(ranks, subdomains, network), "end": self.end_seconds(ranks, threads, network),
+        return {"start": self.start_seconds(ranks, subdomains, network), "end": self.end_seconds(ranks, threads, max(1, subdomains // self.options.copies), network),
                 "disk": self.disk_seconds()}

@@ -1,6 +1,8 @@
-// From the highest byte to the lowest: a histogram of all ranks says in which 1/256 the value lies.
+// From the highest byte to the lowest: a histogram of all ranks says in which 1/256 the value lies, until few
+// are left.
 #include "partition/communication/select.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <utility>
@@ -49,6 +51,22 @@ class Search {
       are_copied_ = true;
     }
     found_ |= byte << shift;
+    left_ = counts[byte];
+  }
+
+  /// Keys of all ranks that begin as what is found.
+  std::uint64_t left() const { return left_; }
+  /// Those of this rank; the byte at `shift` was the last that narrow() has seen.
+  void append_keys(int shift, std::vector<std::uint64_t>& keys) const {
+    for_each_key(shift, [&](std::uint64_t key) {
+      if (key >> shift == found_ >> shift) keys.push_back(key);
+    });
+  }
+  /// `keys`: those of all ranks. Puts them in order.
+  void find_among(std::span<std::uint64_t> keys) {
+    const auto at = keys.begin() + static_cast<std::ptrdiff_t>(place_);
+    std::ranges::nth_element(keys, at);
+    found_ = *at;
   }
 
  private:
@@ -64,25 +82,64 @@ class Search {
   std::span<const double> values_;
   std::vector<std::uint64_t> keys_;
   bool are_copied_ = false;
-  std::uint64_t place_, found_ = 0;
+  std::uint64_t place_, found_ = 0, left_ = 0;
 };
+
+/// So many keys are sent in place of another histogram.
+bool are_few(std::span<const Search> searches) {
+  constexpr std::uint64_t kFew = 256;
+  std::uint64_t left = 0;
+  for (const Search& search : searches) left += search.left();
+  return left <= kFew * searches.size();
+}
+
+/// All ranks get all keys that are left.
+void finish(Peers& peers, int shift, std::span<Search> searches) {
+  struct KeyLeft {
+    std::uint64_t search, key;
+  };
+  std::vector<KeyLeft> mine;
+  for (std::uint64_t s = 0; s < searches.size(); ++s) {
+    std::vector<std::uint64_t> keys;
+    searches[s].append_keys(shift, keys);
+    for (const std::uint64_t key : keys) mine.push_back({s, key});
+  }
+  std::vector<std::vector<std::uint64_t>> keys(searches.size());
+  for (const KeyLeft& candidate : allgather_joined(peers, mine))
+    keys[candidate.search].push_back(candidate.key);
+  for (std::size_t s = 0; s < searches.size(); ++s) searches[s].find_among(keys[s]);
+}
 
 }  // namespace
 
-std::vector<double> select(Peers& peers, std::span<const double> values,
-                           std::span<const std::uint64_t> places) {
+std::vector<std::vector<double>> select_each(Peers& peers, std::span<const Selection> selections) {
   std::vector<Search> searches;
-  for (const std::uint64_t place : places) searches.emplace_back(values, place);
-  for (int shift = 56; shift >= 0; shift -= 8) {
+  for (const Selection& wanted : selections)
+    for (const std::uint64_t place : wanted.places) searches.emplace_back(wanted.values, place);
+  if (searches.empty()) return std::vector<std::vector<double>>(selections.size());
+  int shift = 56;
+  do {
     std::vector<std::uint64_t> mine(256 * searches.size());
     for (std::size_t s = 0; s < searches.size(); ++s) searches[s].count(shift, mine.data() + 256 * s);
     const std::vector<std::uint64_t> counts = partition::sum(peers, mine);
     for (std::size_t s = 0; s < searches.size(); ++s)
       searches[s].narrow(shift, counts.data() + 256 * s, mine.data() + 256 * s);
+    shift -= 8;
+  } while (shift >= 0 && !are_few(searches));
+  if (shift >= 0) finish(peers, shift + 8, searches);
+  std::vector<std::vector<double>> found;
+  auto next = searches.begin();
+  for (const Selection& wanted : selections) {
+    std::vector<double>& values = found.emplace_back();
+    for (std::size_t i = 0; i < wanted.places.size(); ++i) values.push_back(value_of(next++->found()));
   }
-  std::vector<double> found;
-  for (const Search& search : searches) found.push_back(value_of(search.found()));
   return found;
+}
+
+std::vector<double> select(Peers& peers, std::span<const double> values,
+                           std::span<const std::uint64_t> places) {
+  const Selection wanted{values, places};
+  return select_each(peers, std::span(&wanted, 1))[0];
 }
 
 }  // namespace weft::partition

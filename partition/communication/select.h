@@ -10,8 +10,16 @@
 namespace weft::partition {
 
 /// All ranks, with the same `places`: the values at these indices of the values of all ranks in ascending
-/// order. None is NaN; each place is less than their number. Exact; eight sums of 2 KiB a place.
+/// order. None is NaN; each place is less than their number. Exact; at most eight sums of 2 KiB a place.
 std::vector<double> select(Peers& peers, std::span<const double> values,
                            std::span<const std::uint64_t> places);
+
+/// What is wanted of one list.
+struct Selection {
+  std::span<const double> values;
+  std::span<const std::uint64_t> places;
+};
+/// Of several lists at once, in as many exchanges as of one.
+std::vector<std::vector<double>> select_each(Peers& peers, std::span<const Selection> selections);
 
 }  // namespace weft::partition

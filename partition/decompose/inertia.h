@@ -30,19 +30,14 @@ std::vector<meshing::SymTensor> covariances(Peers& peers, const WeightedItems& i
 /// positive.
 Axes principal_axes(const meshing::SymTensor& covariance);
 
-/// Mean of the items' cut_tensors in each group, weighted, up to a factor; zero for an empty group. The same
-/// bits for any number of ranks.
-std::vector<meshing::SymTensor> mean_cut_tensors(Peers& peers, const WeightedItems& items,
-                                                 std::span<const std::uint32_t> groups,
-                                                 std::uint32_t num_groups);
-
 /// The axis to cut across, so that the cut has few vertices: the n of greatest n.C.n / n.T.n. The first is
 /// the square of the width along n, over which the cuts with this normal are spread; the second bounds the
 /// square of their mean area (Cauchy's inequality). x, y or z where that is nearly as good: in a cube all
 /// axes are, and skew cuts have longer edges where they meet.
 meshing::Vec cutting_axis(const meshing::SymTensor& covariance, const meshing::SymTensor& cut_tensor);
 
-/// That of each group.
+/// That of each group, by the mean of its items' cut_tensors, weighted; three reductions. The same for any
+/// number of ranks.
 std::vector<meshing::Vec> cutting_axes(Peers& peers, const WeightedItems& items,
                                        std::span<const std::uint32_t> groups, std::uint32_t num_groups);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "partition/communication/reduce.h"
 
@@ -13,7 +14,10 @@ namespace weft::partition {
 namespace {
 
 constexpr std::uint64_t kEnd = std::numeric_limits<std::uint64_t>::max();
-constexpr std::size_t kBinsPerRound = std::size_t{1} << 18;
+/// What a round sends should take a network about as long as the steps in which it is sent: 32 KB.
+constexpr std::size_t kBinsPerRound = std::size_t{1} << 11;
+/// Items that are sent in place of another round, together or for each cut.
+constexpr std::uint64_t kFewItems = 1024, kFewOfCut = 8;
 
 /// Where items divide: those before (key, number) go left.
 struct Threshold {
@@ -33,6 +37,7 @@ struct Cut {
   std::uint64_t target;     ///< weight of the group that should go left
   std::uint64_t below = 0;  ///< weight left of the intervals
   Interval keys, numbers;
+  std::uint64_t items = 0;  ///< in the intervals, of all ranks
   Threshold threshold{kEnd, kEnd};
   bool done = false;
 
@@ -72,6 +77,7 @@ class SortedItems {
   std::size_t begin(std::uint32_t group) const { return begins_[group]; }
   std::size_t end(std::uint32_t group) const { return begins_[group + 1]; }
   std::uint64_t key(std::size_t position) const { return keys_[position]; }
+  std::uint64_t number(std::size_t position) const { return numbers_[position]; }
   std::uint32_t item(std::size_t position) const { return order_[position]; }
 
  private:
@@ -135,13 +141,18 @@ class Cutter {
       for (Cut& cut : cuts_)
         if (!cut.done) open.push_back(&cut);
       if (open.empty()) return std::move(cuts_);
-      round(open);
+      if (are_few(open))
+        finish(open);
+      else
+        round(open);
     }
   }
 
  private:
   void begin(std::uint64_t my_greatest_number);
   void round(const std::vector<Cut*>& open);
+  static bool are_few(const std::vector<Cut*>& open);
+  void finish(const std::vector<Cut*>& open);
   void count(const Cut& cut, const Bins& bins, std::uint64_t* weights_and_counts) const;
   static void narrow(Cut& cut, const Bins& bins, const std::uint64_t* weights_and_counts);
 
@@ -154,31 +165,42 @@ class Cutter {
 /// All cuts, each with the keys of its whole group.
 void Cutter::begin(std::uint64_t my_greatest_number) {
   const auto num_groups = static_cast<std::uint32_t>(shares_.size());
-  std::vector<std::uint64_t> totals(num_groups), most(2 * std::size_t{num_groups} + 1, 0);
-  const auto least = most.begin(), greatest = least + num_groups;
+  struct Group {
+    std::uint64_t total = 0, items = 0, least = kEnd, greatest = 0, greatest_number = 0;
+  };
+  std::vector<Group> groups(num_groups);
   for (std::uint32_t g = 0; g < num_groups; ++g) {
-    totals[g] = items_.weight(items_.begin(g), items_.end(g));
+    groups[g].total = items_.weight(items_.begin(g), items_.end(g));
+    groups[g].items = items_.end(g) - items_.begin(g);
+    groups[g].greatest_number = my_greatest_number;
     if (items_.begin(g) == items_.end(g)) continue;
-    least[g] = ~items_.key(items_.begin(g));  // complement: the minimum is found as a maximum
-    greatest[g] = items_.key(items_.end(g) - 1);
+    groups[g].least = items_.key(items_.begin(g));
+    groups[g].greatest = items_.key(items_.end(g) - 1);
   }
-  most.back() = my_greatest_number;
-  totals = partition::sum(peers_, totals);
-  std::ranges::copy(partition::max(peers_, most), most.begin());
+  groups = reduce(peers_, groups, [](const Group& a, const Group& b) {
+    return Group{a.total + b.total, a.items + b.items, std::min(a.least, b.least),
+                 std::max(a.greatest, b.greatest), std::max(a.greatest_number, b.greatest_number)};
+  });
   for (std::uint32_t g = 0; g < num_groups; ++g) {
     const std::uint64_t whole = std::accumulate(shares_[g].begin(), shares_[g].end(), std::uint64_t{0});
     std::uint64_t part = 0;
     for (std::size_t j = 0; j + 1 < shares_[g].size(); ++j) {
       part += shares_[g][j];
-      Cut cut{g, share_of(totals[g], part, whole), 0, {~least[g], greatest[g]}, {0, most.back()}};
-      cut.done = totals[g] == 0;
+      const Group& group = groups[g];
+      Cut cut{g,
+              share_of(group.total, part, whole),
+              0,
+              {group.least, group.greatest},
+              {0, group.greatest_number}};
+      cut.items = group.items;
+      cut.done = group.total == 0;
       cuts_.push_back(cut);
     }
   }
 }
 
 void Cutter::round(const std::vector<Cut*>& open) {
-  const std::size_t count_of_bins = std::clamp<std::size_t>(kBinsPerRound / open.size(), 4, 256);
+  const std::size_t count_of_bins = std::clamp<std::size_t>(kBinsPerRound / open.size(), 8, 1024);
   std::vector<std::uint64_t> histograms(2 * count_of_bins * open.size(), 0);
   std::vector<Bins> bins;
   for (std::size_t i = 0; i < open.size(); ++i) {
@@ -187,6 +209,44 @@ void Cutter::round(const std::vector<Cut*>& open) {
   }
   histograms = partition::sum(peers_, histograms);
   for (std::size_t i = 0; i < open.size(); ++i) narrow(*open[i], bins[i], &histograms[2 * count_of_bins * i]);
+}
+
+bool Cutter::are_few(const std::vector<Cut*>& open) {
+  const std::uint64_t most = std::max<std::uint64_t>(kFewItems, kFewOfCut * open.size());
+  std::uint64_t left = 0;
+  for (const Cut* cut : open) left += cut->items;
+  return left <= most;
+}
+
+/// An item between the ends of a cut.
+struct OpenItem {
+  std::uint64_t cut, key, number, weight;
+};
+
+/// All ranks get all items that are left, and find the cuts among them.
+void Cutter::finish(const std::vector<Cut*>& open) {
+  std::vector<OpenItem> left;
+  for (std::uint64_t c = 0; c < open.size(); ++c) {
+    Cut& cut = *open[c];
+    const std::size_t begin = items_.position(cut.group, cut.at(cut.active().first));
+    const std::size_t end = items_.position(cut.group, cut.after(cut.active().last));
+    for (std::size_t p = begin; p < end; ++p)
+      left.push_back({c, items_.key(p), items_.number(p), items_.weight(p, p + 1)});
+  }
+  left = allgather_joined(peers_, left);
+  std::ranges::sort(left, {}, [](const OpenItem& c) { return std::tuple(c.cut, c.key, c.number); });
+  auto next = left.begin();
+  for (std::uint64_t c = 0; c < open.size(); ++c) {
+    Cut& cut = *open[c];
+    cut.threshold = cut.after(cut.active().last);
+    cut.done = true;
+    std::uint64_t below = cut.below;
+    const auto end = std::find_if(next, left.end(), [&](const OpenItem& item) { return item.cut != c; });
+    for (; next != end; below += next++->weight)
+      if (2 * below + next->weight > 2 * cut.target) break;
+    if (next != end) cut.threshold = {next->key, next->number};
+    next = end;
+  }
 }
 
 void Cutter::count(const Cut& cut, const Bins& bins, std::uint64_t* weights_and_counts) const {
@@ -220,6 +280,7 @@ void Cutter::narrow(Cut& cut, const Bins& bins, const std::uint64_t* weights_and
     cut.threshold = left ? cut.after(bin.last) : cut.at(bin.first);
   } else {
     cut.active() = bin;
+    cut.items = weights_and_counts[2 * b + 1];
     cut.done = false;
   }
 }

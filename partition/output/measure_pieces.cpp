@@ -278,49 +278,82 @@ void for_each_count(Sums& sums, const Visit& visit) {
   }
 }
 
-void add_counts(Peers& peers, Sums& sums) {
+void add_counts(Peers& peers, BothSums& both) {
   std::vector<std::uint64_t> counts;
-  for_each_count(sums, [&](std::uint64_t& count) { counts.push_back(std::exchange(count, 0)); });
+  for (Sums* sums : {&both.whole, &both.part})
+    for_each_count(*sums, [&](std::uint64_t& count) { counts.push_back(std::exchange(count, 0)); });
   counts = partition::sum(peers, counts);
   std::size_t next = 0;
-  for_each_count(sums, [&](std::uint64_t& count) { count = counts[next++]; });
+  for (Sums* sums : {&both.whole, &both.part})
+    for_each_count(*sums, [&](std::uint64_t& count) { count = counts[next++]; });
 }
 
-void add_extremes(Peers& peers, Sums& sums) {
-  const std::vector<double> least = partition::min(
-      peers, std::vector{sums.tets.quality_min, sums.edges.length_min, -sums.edges.length_max});
-  sums.tets.quality_min = least[0];
-  sums.edges.length_min = least[1];
-  sums.edges.length_max = -least[2];
+void add_extremes(Peers& peers, BothSums& both) {
+  std::vector<double> least;
+  for (const Sums* sums : {&both.whole, &both.part})
+    least.insert(least.end(), {sums->tets.quality_min, sums->edges.length_min, -sums->edges.length_max});
+  least = partition::min(peers, least);
+  auto next = least.begin();
+  for (Sums* sums : {&both.whole, &both.part}) {
+    sums->tets.quality_min = *next++;
+    sums->edges.length_min = *next++;
+    sums->edges.length_max = -*next++;
+  }
 }
 
 /// By subdomain, so that rounding does not depend on who has which.
-void add_reals(Peers& peers, Sums& sums) {
-  std::vector<PieceSums> all = allgather_joined(peers, sums.pieces);
-  std::ranges::sort(all, {}, &PieceSums::subdomain);
-  sums.tets.volume = sums.tets.complexity = sums.tets.quality = sums.edges.length = 0;
-  for (const PieceSums& piece : all) {
+void add_reals(Peers& peers, BothSums& both) {
+  struct Pair {
+    PieceSums whole, part;
+  };
+  std::vector<Pair> all;
+  for (std::size_t p = 0; p < both.whole.pieces.size(); ++p)
+    all.push_back({both.whole.pieces[p], both.part.pieces[p]});
+  all = allgather_joined(peers, all);
+  std::ranges::sort(all, {}, [](const Pair& pair) { return pair.whole.subdomain; });
+  const auto add = [](const PieceSums& piece, Sums& sums) {
     sums.tets.volume += piece.volume;
     sums.tets.complexity += piece.complexity;
     sums.tets.quality += piece.quality;
     sums.edges.length += piece.length;
+  };
+  for (Sums* sums : {&both.whole, &both.part})
+    sums->tets.volume = sums->tets.complexity = sums->tets.quality = sums->edges.length = 0;
+  for (const Pair& piece : all) {
+    add(piece.whole, both.whole);
+    add(piece.part, both.part);
   }
 }
 
-Measures measures_of(Peers& peers, Sums& sums) {
-  add_counts(peers, sums);
-  add_extremes(peers, sums);
-  add_reals(peers, sums);
+/// What quantiles are of; none where there are no tets.
+struct Quantiles {
+  explicit Quantiles(const Sums& sums) : values(sums.qualities) {
+    const std::uint64_t n = sums.counts.num_tets;
+    if (n > 0) places = {meshing::quantile_place(n, 0.01), meshing::quantile_place(n, 0.001)};
+  }
+  Selection selection() const { return {values, places}; }
+  std::span<const double> values;
+  std::vector<std::uint64_t> places;
+};
+
+Measures measures_of(Sums& sums, const std::vector<double>& quantiles) {
   Measures m = sums.counts;
   if (m.num_tets == 0) return m;
   put_tets(sums.tets, m.num_tets, m);
   put_edges(sums.edges, m);
-  const std::array<std::uint64_t, 2> places = {meshing::quantile_place(m.num_tets, 0.01),
-                                               meshing::quantile_place(m.num_tets, 0.001)};
-  const std::vector<double> quantiles = select(peers, sums.qualities, places);
   m.quality_q01 = quantiles[0];
   m.quality_q001 = quantiles[1];
   return m;
+}
+
+WholeAndPart measures_of(Peers& peers, BothSums& both) {
+  add_counts(peers, both);
+  add_extremes(peers, both);
+  add_reals(peers, both);
+  const Quantiles of_whole(both.whole), of_part(both.part);
+  const std::array<Selection, 2> wanted = {of_whole.selection(), of_part.selection()};
+  const std::vector<std::vector<double>> quantiles = select_each(peers, wanted);
+  return {measures_of(both.whole, quantiles[0]), measures_of(both.part, quantiles[1])};
 }
 
 }  // namespace
@@ -343,7 +376,7 @@ WholeAndPart measure_pieces(Peers& peers, std::span<const MeshPiece> mine, const
     sums.whole.add(std::move(of_piece.whole));
     sums.part.add(std::move(of_piece.part));
   }
-  return {measures_of(peers, sums.whole), measures_of(peers, sums.part)};
+  return measures_of(peers, sums);
 }
 
 }  // namespace weft::partition
