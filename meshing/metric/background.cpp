@@ -169,37 +169,6 @@ Background::Place Background::locate(const Point& p, std::uint32_t hint) const {
   }
 }
 
-/// The tets that have `q`, a point of `tet`, as far as rounding lets one say.
-std::vector<std::uint32_t> Background::tets_about(std::uint32_t tet, const Point& q) const {
-  constexpr double kNear = 1e-5;  // above what locate() takes for inside
-  std::vector<std::uint32_t> about{tet};
-  for (std::size_t i = 0; i < about.size(); ++i) {
-    const Barycentric l = barycentric(about[i], q);
-    for (std::size_t f = 0; f < 4; ++f) {
-      const std::uint32_t n = neighbour(about[i], static_cast<int>(f));
-      if (l[f] > kNear || n == kNoNeighbour || std::ranges::find(about, n >> 2) != about.end()) continue;
-      if (std::ranges::min(barycentric(n >> 2, q)) >= -kNear) about.push_back(n >> 2);
-    }
-  }
-  return about;
-}
-
-Background::Place Background::locate_first(const Point& p, std::uint32_t hint) const {
-  Place place = locate(p, hint);
-  const std::vector<std::uint32_t> about = tets_about(place.tet, closest_in(place.tet, p));
-  if (about.size() == 1) return place;
-  double least = std::numeric_limits<double>::infinity();
-  for (const std::uint32_t t : about) {
-    const double distance2 = norm2(p - closest_in(t, p));
-    if (distance2 > least || (distance2 == least && t > place.tet)) continue;
-    least = distance2;
-    place.tet = t;
-  }
-  place.at = clamped(barycentric(place.tet, closest_in(place.tet, p)));
-  if (place.distance2 > 0) place.distance2 = least;
-  return place;
-}
-
 Background::WalkEnd Background::walk_towards(const Point& p, std::uint32_t hint) const {
   WalkEnd end{hint == kNoHint ? 0 : hint, false};
   Barycentric l;

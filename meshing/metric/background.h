@@ -63,9 +63,6 @@ class Background {
   };
   /// Where `p` is, or the point of the mesh closest to it; needs no metrics.
   Place locate(const Point& p, std::uint32_t hint) const;
-  /// The same whatever the hint, and whatever is missing of the mesh farther off: of tets that have `p`, or
-  /// its closest point, in common the first.
-  Place locate_first(const Point& p, std::uint32_t hint) const;
 
   struct WalkEnd {
     std::uint32_t tet;
@@ -103,7 +100,6 @@ class Background {
   Barycentric barycentric_in_flat(std::uint32_t tet, const Point& p) const;
   bool walk(const Point& p, std::uint32_t& tet, Barycentric& l) const;
   Point closest_in(std::uint32_t tet, const Point& p) const;
-  std::vector<std::uint32_t> tets_about(std::uint32_t tet, const Point& q) const;
   std::uint32_t search_everywhere(const Point& p) const;
   Sample outside(const Point& p, std::uint32_t tet) const;
   LogMetric interpolate(std::uint32_t tet, const Barycentric& l) const;
