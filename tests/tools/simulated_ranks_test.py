@@ -36,16 +36,13 @@ class Simulated(Subdomains):
                 self.assertEqual(report["subdomains"]["engine"]["peak_rss"], {"sum": 0, "max": 0}, "all ranks are one process")
                 self.assertGreater(report["peak_memory_bytes"], 1e6)
 
-    def test_on_shared_cores_the_same_bytes_and_times_that_cores_allow(self):
+    def test_ranks_that_share_cores_make_the_same_bytes(self):
         self.box(4)
         self.simulate(0)
         expected = self.bytes_of("out.meshb", "out.solb")
-        loops = []
-        for cores in ([], ["--simulate-cores", 1]):
-            self.simulate(8, *cores)
+        for cores in (1, 3):
+            self.simulate(8, "--simulate-cores", cores)
             self.assertEqual(self.bytes_of("out.meshb", "out.solb"), expected)
-            loops.append(json.loads((self.folder / "r/graph.json").read_text())["critical_path"]["wall_ns"])
-        self.assertGreater(loops[1], 1.5 * loops[0], "eight ranks on one core take far longer than on eight")
 
     def test_without_balancing_real_ranks_send_each_other_the_same_messages(self):
         self.box(4)
