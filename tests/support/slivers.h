@@ -23,12 +23,13 @@ inline meshing::MeshData turned(meshing::MeshData mesh) {
   return mesh;
 }
 
-/// Every third tet or so is divided at a point that lies on one of its faces but for rounding; its parts are
+/// Every third tet is divided at a point that lies on one of its faces but for rounding; its parts are
 /// exactly positive. Inner points and tets only; no boundary entities.
 inline meshing::MeshData with_slivers(const meshing::MeshData& mesh, unsigned seed) {
   using meshing::Point;
   std::mt19937 random(seed);
-  meshing::MeshData result{.points = mesh.points};
+  meshing::MeshData result;
+  result.points = mesh.points;
   for (const meshing::Tet& tet : mesh.tets) {
     const std::size_t flat = random() % 12;
     std::vector<meshing::Tet> parts{tet};

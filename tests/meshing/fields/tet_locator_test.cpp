@@ -73,9 +73,10 @@ TEST_P(TetLocatorOf, FindsTheLargestTetThatHoldsAPoint) {
     const Tet& t = mesh.tets[place.tet];
     EXPECT_EQ(place.inside, largest > 0);
     EXPECT_EQ(place.inside, holds(mesh, t, p));
-    if (place.inside)
+    if (place.inside) {
       EXPECT_EQ(six_volume(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]),
                 largest);
+    }
     Point read;
     for (std::size_t i = 0; i < 4; ++i) read += place.at[i] * mesh.points[t[i]];
     EXPECT_NEAR(norm2(read - p), place.distance2, 1e-9);
@@ -104,7 +105,8 @@ TEST_P(TetLocatorOf, GivesTheSamePlaceWhereWhatIsFartherOffIsMissing) {
   for (const Point& p : points_about(mesh)) {
     const TetLocator::Place expected = locator.locate(p, TetLocator::kNoHint);
     const Box near = Box{p, p}.grown(1e-3 + 1.001 * std::sqrt(expected.distance2));
-    MeshData part{.points = mesh.points};
+    MeshData part;
+    part.points = mesh.points;
     std::ranges::copy_if(mesh.tets, std::back_inserter(part.tets), [&](const Tet& tet) {
       Box box;
       for (const std::uint32_t v : tet) box.include(mesh.points[v]);
