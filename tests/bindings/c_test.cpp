@@ -609,6 +609,7 @@ TEST_F(CInterface, FilesAreAdaptedWithAllThatTheCommandIsTold) {
   weft_file_settings_default(&settings);
   settings.background = other.c_str();
   settings.simulate_ranks = 2;
+  settings.simulate_cores = 1;
   const std::string simulated = folder / "simulated.meshb";
   ASSERT_EQ(weft_adapt_files_with(start.c_str(), simulated.c_str(), &settings, asked, &result), WEFT_OK)
       << weft_last_error();

@@ -185,7 +185,8 @@ def test_runs_on_files_write_all_that_the_command_writes(tmp_path, start):
                              threads=1, report=tmp_path / "plain", page=False)
     assert plain.report and not (tmp_path / "plain/report.html").exists()
     simulated = weft.adapt_files(tmp_path / "start.meshb", tmp_path / "simulated.meshb", metric_fn="uniform:0.2",
-                                 subdomains=3, simulate_ranks=2, simulate_network="5us,1GB/s", simulate_slowdown=2)
+                                 subdomains=3, simulate_ranks=2, simulate_network="5us,1GB/s", simulate_slowdown=2,
+                                 simulate_cores=1)
     assert simulated.seconds > 0 and isinstance(simulated, weft.SimulatedFilesResult)
     assert same(tmp_path, "fine.meshb", "plain.meshb", "fine.meshb", "simulated.meshb")
 

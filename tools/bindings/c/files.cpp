@@ -85,7 +85,7 @@ std::shared_ptr<ResultObject> adapt_as_asked(const Files& files, const weft_file
     return object;
   }
   const SimulatedRanks ranks{s.simulate_ranks, require_text(s.simulate_network, "simulate_network"),
-                             s.simulate_slowdown};
+                             s.simulate_slowdown, s.simulate_cores};
   auto simulated = std::make_shared<SimulatedFilesResult>(adapt_files_on(ranks, files, options));
   object->summary = summary(*simulated);
   object->files = std::move(simulated);

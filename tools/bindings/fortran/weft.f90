@@ -59,6 +59,7 @@ module weft
     integer(c_int32_t) :: simulate_ranks
     type(c_ptr) :: simulate_network
     real(c_double) :: simulate_slowdown
+    integer(c_int32_t) :: simulate_cores
   end type file_settings
 
   type, bind(c) :: write_settings
@@ -757,9 +758,9 @@ contains
 
   !> From file to file, as `weft adapt` does. background: the mesh that the metric belongs to. fields: files of fields
   !> that are carried along. report: a folder, without its page where page is false. graph, trace: files, of runs in
-  !> subdomains. simulate_ranks: so many ranks that this thread simulates.
+  !> subdomains. simulate_ranks: so many ranks that this thread simulates, whose threads share simulate_cores cores.
   function weft_adapt_files(input, output, options, result, background, fields, report, page, case_name, graph, trace, &
-                            simulate_ranks, simulate_network, simulate_slowdown) result(status)
+                            simulate_ranks, simulate_network, simulate_slowdown, simulate_cores) result(status)
     character(*), intent(in) :: input, output
     type(c_ptr), intent(in) :: options
     type(c_ptr), intent(inout) :: result
@@ -767,6 +768,7 @@ contains
     logical, intent(in), optional :: page
     integer, intent(in), optional :: simulate_ranks
     real(c_double), intent(in), optional :: simulate_slowdown
+    integer, intent(in), optional :: simulate_cores
     integer(c_int) :: status
     type(file_settings) :: settings
     character(len=:, kind=c_char), allocatable, target :: background_0, report_0, case_0, graph_0, trace_0, network_0
@@ -785,6 +787,7 @@ contains
     if (present(simulate_ranks)) settings%simulate_ranks = int(simulate_ranks, c_int32_t)
     if (present(simulate_network)) settings%simulate_network = address_of(simulate_network, network_0)
     if (present(simulate_slowdown)) settings%simulate_slowdown = simulate_slowdown
+    if (present(simulate_cores)) settings%simulate_cores = int(simulate_cores, c_int32_t)
     if (present(fields)) then
       allocate (letters(len(fields) + 1, size(fields)), places(size(fields)))
       letters = c_null_char

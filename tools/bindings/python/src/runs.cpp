@@ -201,11 +201,11 @@ Files files_of(const py::dict& texts, const std::vector<std::string>& fields, bo
 /// `ranks`: 0: no ranks are simulated.
 py::object run_adapt_files(const py::dict& texts, const std::vector<std::string>& fields, bool page,
                            const py::dict& values, int ranks, const std::string& network, double slowdown,
-                           const py::object& progress, const std::shared_ptr<Cancel>& cancel) {
+                           int cores, const py::object& progress, const std::shared_ptr<Cancel>& cancel) {
   Options options = options_of(values);
   const Files files = files_of(texts, fields, page);
   if (ranks == 0) return watched(options, progress, cancel, [&] { return adapt_files(files, options); });
-  const SimulatedRanks simulated{ranks, network, slowdown};
+  const SimulatedRanks simulated{ranks, network, slowdown, cores};
   return watched(options, progress, cancel, [&] { return adapt_files_on(simulated, files, options); });
 }
 

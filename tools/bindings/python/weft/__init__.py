@@ -207,20 +207,21 @@ def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, A
 def adapt_files(input: _Path, output: _Path, *, fields: Sequence[_Path] = (), background: _Path = "",
                 report: _Path = "", page: bool = True, case: str = "", graph: _Path = "", trace: _Path = "",
                 simulate_ranks: int = 0, simulate_network: str = "2us,10GB/s", simulate_slowdown: float = 1,
-                progress: Optional[Progress] = None, cancel: Optional[Cancel] = None, **options: Any) -> FilesResult:
+                simulate_cores: int = 0, progress: Optional[Progress] = None, cancel: Optional[Cancel] = None, **options: Any) -> FilesResult:
     """From file to file, as `weft adapt INPUT -o OUTPUT` does; metric="FILE", sol=["FILE", ...] and the other options
     of the command say what the metric is.
 
     report: folder for report.json and (page) report.html and profile.json; case: published figures to show there.
     graph, trace: files for the task graph and a timeline, of runs in subdomains. simulate_ranks: so many ranks that
-    this thread simulates, on a network and with processors slower by a factor; the result is a SimulatedFilesResult.
+    this thread simulates, on a network, with processors slower by a factor and, unless 0, so many cores that they
+    share; the result is a SimulatedFilesResult.
     Under mpirun it is a call of all ranks, which starts and ends MPI: only one can be made, unless mpi4py.MPI has been
     imported before.
     """
     _check_watch(progress, cancel)
     texts = dict(input=input, output=output, background=background, report=report, case=case, graph=graph, trace=trace)
-    return _weft.adapt_files(texts, fields, page, options, simulate_ranks, simulate_network, simulate_slowdown, progress,
-                             cancel)
+    return _weft.adapt_files(texts, fields, page, options, simulate_ranks, simulate_network, simulate_slowdown,
+                             simulate_cores, progress, cancel)
 
 
 @_checked

@@ -306,6 +306,7 @@ typedef struct weft_file_settings {
   int32_t simulate_ranks;       /* so many ranks that this thread simulates; 0: none */
   const char* simulate_network; /* "2us,10GB/s" */
   double simulate_slowdown;
+  int32_t simulate_cores; /* that their threads share; 0: one each */
 } weft_file_settings;
 WEFT_C_API weft_status weft_file_settings_default(weft_file_settings* settings);
 WEFT_C_API weft_status weft_adapt_files_with(const char* input, const char* output,
