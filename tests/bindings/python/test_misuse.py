@@ -30,7 +30,7 @@ CALLS = {
     "adapt": dict(mesh=MESH, metric=ONES, **SOME, solutions=None, background=None, progress=None, cancel=None, ids=None, hmin=None,
                   hausd=0.01, threads=1, geometry=None),
     "adapt_files": dict(input="box.meshb", output="fine.meshb", metric="box.solb", fields=["box.solb"], page=False, background="",
-                        report="", case="", simulate_ranks=0, progress=None, cancel=None),
+                        report="", case="", simulate_ranks=0, simulate_cores=0, progress=None, cancel=None),
     "loop": dict(mesh=MESH, solve=lambda mesh: {"u": mesh.points[:, 0]**2}, complexities=[20], on=["u"]),
     "make_metric": dict(mesh=MESH, metric=ONES, solutions=None, order="sol", hgrad=1.5),
     "complexity": dict(mesh=MESH, metric=ONES, order="sol"),
@@ -84,4 +84,4 @@ def test_a_fault_of_weft_is_an_error_of_weft(tmp_path):
     with pytest.raises(weft.InternalError, match="there is no field to write"):
         weft._weft.write_fields(str(tmp_path / "none.solb"), {}, None)
     with pytest.raises(KeyError):
-        weft._weft.adapt_files({}, [], True, {}, 0, "", 1, None, None)
+        weft._weft.adapt_files({}, [], True, {}, 0, "", 1, 0, None, None)
