@@ -154,7 +154,7 @@ CutAtHome cut_at_home(const std::vector<std::vector<HomeItem>>& arrived, std::sp
 }
 
 /// The groups that are still to be cut go each to one rank, which goes on alone: three exchanges in place of
-/// twenty to thirty a level. Their parts are what all ranks together would make.
+/// some ten a level. Their parts are what all ranks together would make.
 void bisect_at_homes(Peers& peers, const WeightedItems& items, const CutGroup& cut, Bisected& b) {
   const std::vector<int> homes = homes_of_groups(peers, b, cut);
   if (std::ranges::all_of(homes, [](int home) { return home < 0; })) return;

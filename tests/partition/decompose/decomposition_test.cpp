@@ -257,7 +257,7 @@ TEST(Bisection, CutsAcrossTheLongestPrincipalAxis) {
   EXPECT_LT(greatest - least, 1.5);  // the axis is found to a few percent
 }
 
-// All ranks cut together while a group is more than a rank's share: twenty to thirty exchanges a level.
+// All ranks cut together while a group is more than a rank's share: some ten exchanges a level.
 TEST(Bisection, SmallGroupsAreCutByOneRankEach) {
   const Whole w = random_whole(10, 4);
   constexpr std::uint32_t n = 256;
@@ -273,7 +273,7 @@ TEST(Bisection, SmallGroupsAreCutByOneRankEach) {
     exchanges[static_cast<std::size_t>(peers.rank())] = peers.exchanges;
   });
   EXPECT_EQ(all, expected);
-  for (const std::size_t e : exchanges) EXPECT_LT(e, 150u);
+  for (const std::size_t e : exchanges) EXPECT_LT(e, 70u);
 }
 
 TEST(PrincipalAxes, AreThoseOfAnEllipsoid) {
