@@ -27,12 +27,6 @@ using Clock = std::chrono::steady_clock;
 /// Of address space, for lists and scratch of the passes.
 constexpr std::size_t kForPasses = std::size_t{64} << 20;
 
-double bounding_box_diagonal(const MeshData& m) {
-  Box box;
-  for (const Point& p : m.points) box.include(p);
-  return norm(box.size());
-}
-
 /// Bytes of the result's arrays.
 std::size_t result_bytes(double vertices, double tets) {
   constexpr double kOfVertex = sizeof(Point) + sizeof(std::int32_t) + sizeof(LogMetric);
@@ -122,7 +116,7 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
         read_metric(*imported.mesh, background, same);
       Kernel kernel{*imported.mesh, background, *imported.surface, {}};
       kernel.limits.hausd =
-          options.hausd > 0 ? options.hausd : kHausdOfDiagonal * bounding_box_diagonal(input);
+          options.hausd > 0 ? options.hausd : kHausdOfDiagonal * norm(box_of(input.points).size());
       if (options.hausd == 0) kernel.limits.details = 1;
       adapt_in_place(kernel, options, Extent::everything, result.report);
       for_result.release();

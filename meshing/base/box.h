@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include "meshing/base/point.h"
 
@@ -43,5 +44,11 @@ struct Box {
     return true;
   }
 };
+
+inline Box box_of(std::span<const Point> points) {
+  Box box;
+  for (const Point& p : points) box.include(p);
+  return box;
+}
 
 }  // namespace weft::meshing

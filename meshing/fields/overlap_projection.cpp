@@ -25,12 +25,6 @@ std::array<Point, 4> corners_of(const MeshData& mesh, std::size_t t) {
   return {mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]};
 }
 
-Box box_of(const std::array<Point, 4>& corners) {
-  Box box;
-  for (const Point& p : corners) box.include(p);
-  return box;
-}
-
 double volume_of(const std::array<Point, 4>& x) {
   return std::max(0.0, six_volume(x[0], x[1], x[2], x[3]) / 6);  // a flat tet may compute a negative volume
 }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "meshing/base/box.h"
 #include "meshing/base/small_set.h"
 #include "meshing/geometry/surface/curved_triangle.h"
 #include "meshing/mesh/predicates.h"
@@ -15,12 +16,6 @@ namespace weft::meshing {
 namespace {
 
 constexpr unsigned kOutside = 1u << 4;  ///< in place of a set of faces
-
-Box box_of(const std::array<Point, 3>& corners) {
-  Box box;
-  for (const Point& p : corners) box.include(p);
-  return box;
-}
 
 std::array<Point, 3> face_of(const std::array<Point, 4>& x, std::size_t f) {
   const auto& [i, j, k] = kTetFaces[f];

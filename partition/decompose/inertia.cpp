@@ -109,10 +109,7 @@ std::vector<Box> boxes_here(std::span<const Point> points, std::span<const std::
 }
 
 Box united(Box a, const Box& b) {
-  for (int k = 0; k < 3; ++k) {
-    a.lo[k] = std::min(a.lo[k], b.lo[k]);
-    a.hi[k] = std::max(a.hi[k], b.hi[k]);
-  }
+  a.unite(b);
   return a;
 }
 

@@ -31,12 +31,6 @@ TetCorners corners_of(const std::vector<Point>& points, const Tet& t) {
   return {points[t[0]], points[t[1]], points[t[2]], points[t[3]]};
 }
 
-Box box_of(const TetCorners& tet) {
-  Box box;
-  for (const Point& p : tet) box.include(p);
-  return box;
-}
-
 meshing::ValueTable table_of(const meshing::LogMetricField& field) {
   meshing::ValueTable table{6, {}};
   table.values.reserve(6 * field.size());
