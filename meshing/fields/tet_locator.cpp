@@ -136,34 +136,41 @@ TetLocator::BoundaryPoint TetLocator::closest_on_boundary(const Point& p) const 
 
 /// A tet that holds `p`, or kNoHint. All that is nearer to a point inside than the boundary is inside too, so
 /// that its tet is reached from there through tets that are no farther off; about a point outside there are
-/// few of them.
+/// few of them. Two sides of a slit, or bodies that touch and are not joined, have boundary equally near: the
+/// search begins at all of it.
 std::uint32_t TetLocator::holder_near(const Point& p, const BoundaryPoint& closest) const {
   constexpr double kFarther = 1 + 1e-6, kRounding = 1e-9;
   const double limit = kFarther * std::sqrt(closest.distance2) +
                        kRounding * norm(box_of(corners_of_face(closest.face)).size());
   SmallSet seen;
-  std::vector<std::uint32_t> pending{closest.face >> 2};
-  seen.insert(pending[0]);
-  while (!pending.empty()) {
+  std::vector<std::uint32_t> pending;
+  std::uint32_t holder = kNoHint;
+  const auto look_at = [&](std::uint32_t tet) {
+    if (holder != kNoHint || !seen.insert(tet)) return;
+    if (faces_with(tet, p) != kOutside)
+      holder = tet;
+    else if (closest_face(corners_of(tet), p).closest.distance2 <= limit * limit)
+      pending.push_back(tet);
+  };
+  boundary_.visit_within(root_, p, limit * limit, [&](std::uint32_t face) { look_at(face >> 2); });
+  while (holder == kNoHint && !pending.empty()) {
     const std::uint32_t tet = pending.back();
     pending.pop_back();
-    for (const std::uint32_t code : adjacency_.neighbours[tet]) {
-      const std::uint32_t next = code >> 2;
-      if (code == kNoNeighbour || !seen.insert(next)) continue;
-      if (faces_with(next, p) != kOutside) return next;
-      if (closest_face(corners_of(next), p).closest.distance2 <= limit * limit) pending.push_back(next);
-    }
+    for (const std::uint32_t code : adjacency_.neighbours[tet])
+      if (code != kNoNeighbour) look_at(code >> 2);
   }
-  return kNoHint;
+  return holder;
 }
 
 /// All tets that hold `p`, which `tet` does: what is joined to it by faces with `p`, and where these end at
 /// the boundary what only touches it.
 std::vector<std::uint32_t> TetLocator::holders_from(std::uint32_t tet, const Point& p) const {
-  std::vector<std::uint32_t> holders{tet};
+  std::vector<std::uint32_t> holders;
+  SmallSet seen;
   const auto add = [&](std::uint32_t t) {
-    if (std::ranges::find(holders, t) == holders.end()) holders.push_back(t);
+    if (seen.insert(t)) holders.push_back(t);
   };
+  add(tet);
   bool at_boundary = false;
   for (std::size_t i = 0; i < holders.size(); ++i) {
     const unsigned faces = faces_with(holders[i], p);

@@ -16,9 +16,21 @@
 namespace weft::meshing::tet_locator_test {
 namespace {
 
+/// Two that touch and are not joined.
+MeshData cubes_side_by_side() {
+  MeshData both = support::unit_cube(4);
+  const auto first = static_cast<std::uint32_t>(both.points.size());
+  const MeshData other = both;
+  for (const Point& p : other.points) both.points.push_back(p + Vec{1, 0, 0});
+  for (const Tet& t : other.tets)
+    both.tets.push_back({t[0] + first, t[1] + first, t[2] + first, t[3] + first});
+  return both;
+}
+
 MeshData meshes(int which) {
   if (which == 0) return support::with_slivers(support::turned(support::unit_cube(4)), 1);
   if (which == 1) return support::touching_cells(4, 3);
+  if (which == 2) return cubes_side_by_side();
   return support::with_slivers(support::ball(3, 3), 2);
 }
 
@@ -28,8 +40,7 @@ TetLocator locator_of(const MeshData& mesh) { return {mesh, build_adjacency(mesh
 std::vector<Point> points_about(const MeshData& mesh) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> share(-0.2, 1.2);
-  Box box;
-  for (const Point& p : mesh.points) box.include(p);
+  const Box box = box_of(mesh.points);
   std::vector<Point> points(mesh.points.begin(),
                             mesh.points.begin() + std::min<std::ptrdiff_t>(60, std::ssize(mesh.points)));
   for (int i = 0; i < 100; ++i) {
@@ -116,7 +127,7 @@ TEST_P(TetLocatorOf, GivesTheSamePlaceWhereWhatIsFartherOffIsMissing) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Meshes, TetLocatorOf, testing::Range(0, 3));
+INSTANTIATE_TEST_SUITE_P(Meshes, TetLocatorOf, testing::Range(0, 4));
 
 TEST(TetLocator, ReadsAFlatTetOnItsFaces) {
   // A height of 1e-17 of its size: weights by volumes would be rounding alone.
