@@ -59,9 +59,7 @@ struct OrderedTet {
 /// The tets of the part that are this rank's, numbered as in the whole mesh.
 std::vector<OrderedTet> tets_here(Peers& peers, const PartDomain& domain) {
   const meshing::MeshData& mesh = domain.mesh();
-  Box mine;
-  for (const Point& p : mesh.points) mine.include(p);
-  const Box box = common_box(peers, mine);
+  const Box box = common_box(peers, meshing::box_of(mesh.points));
   std::vector<Tet> tets;
   std::vector<Point> centres;
   for (const Tet& tet : mesh.tets) {
@@ -174,7 +172,7 @@ CellGrid grid_over(Peers& peers, std::span<const SubdomainStart> starts,
 class StartIndex {
  public:
   explicit StartIndex(const SubdomainStart& s)
-      : start_(s), box_(box_of_points(s.points)), grid_(box_, static_cast<double>(s.tets.size()) / 4) {
+      : start_(s), box_(meshing::box_of(s.points)), grid_(box_, static_cast<double>(s.tets.size()) / 4) {
     in_cell_.resize(grid_.size());
     for (std::uint32_t t = 0; t < s.tets.size(); ++t)
       grid_.for_each_cell(box_of(corners_of(s.points, s.tets[t])),
@@ -182,17 +180,12 @@ class StartIndex {
   }
 
   bool meets(const BackgroundPiece& piece) const {
-    return box_.meets(box_of_points(piece.points)) && std::ranges::any_of(piece.tets, [&](const Tet& tet) {
+    return box_.meets(meshing::box_of(piece.points)) && std::ranges::any_of(piece.tets, [&](const Tet& tet) {
              return meets(corners_of(piece.points, tet));
            });
   }
 
  private:
-  static Box box_of_points(const std::vector<Point>& points) {
-    Box box;
-    for (const Point& p : points) box.include(p);
-    return box;
-  }
   bool meets(const TetCorners& tet) const {
     const Box box = box_of(tet);
     if (!box.meets(box_)) return false;

@@ -95,7 +95,7 @@ void drop_far_surface(Subdomain& s) {
 
 void share_surface(meshing::SurfacePieces& pieces, SharedPieces<meshing::SurfacePiece>& of_rank) {
   std::vector<meshing::SurfacePieces::Piece> shared(pieces.all().begin(), pieces.all().end());
-  of_rank.share(shared);
+  if (!of_rank.share(shared)) return;
   pieces = {};
   pieces.add(shared);
 }

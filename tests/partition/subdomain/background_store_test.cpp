@@ -230,6 +230,18 @@ TEST(BackgroundStore, PiecesAreOnceOnARank) {
   for (const auto& piece : a.all_pieces()) EXPECT_EQ(piece.use_count(), 1);
 }
 
+TEST(SharedPieces, DoesNotKeepNamesOfWhatIsGone) {
+  struct Numbered {
+    std::uint32_t id;
+  };
+  SharedPieces<Numbered> rank;
+  for (std::uint32_t id = 0; id < 10000; ++id) {
+    std::vector<std::shared_ptr<const Numbered>> pieces{std::make_shared<Numbered>(id)};
+    EXPECT_FALSE(rank.share(pieces));
+  }
+  EXPECT_LT(rank.size(), 100);
+}
+
 TEST(BackgroundStore, StaysValidWhenMoved) {
   const Whole whole(1);
   BackgroundStore store = whole.store(SubdomainId(0), parts(whole.mesh, 2, 0, 1));
