@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "meshing/adapt/stages.h"
 #include "meshing/metric/expectations.h"
 
 namespace weft::graph::adaptation {
@@ -63,11 +62,14 @@ double tets_of_seed(double complexity, bool is_far, const PlanOptions& options) 
 
 std::uint32_t parts_at_first(const partition::InputMeasures& input, const PlanOptions& options) {
   constexpr double kFewTets = 100;
+  // Boxes under anisotropic metrics have .1 to .5; meshes that were adapted to a metric of a coarser mesh, or
+  // of another solution, .7 and more: these have interfaces as good as any, and are not to wait for seeds.
+  constexpr double kFarMean = 0.65;
   const std::uint32_t all = options.subdomains;
   const auto tets = static_cast<double>(input.tets);
   const double coarseness = coarseness_to_divide(input.complexity, all);
   if (all < 2 || options.most_shifts == 0 || coarseness == 1) return all;
-  const bool has_few = tets < kFewTets * all, is_far = input.mean_quality < meshing::kFarMean;
+  const bool has_few = tets < kFewTets * all, is_far = input.mean_quality < kFarMean;
   if (!has_few && !is_far) return all;
   const double most = std::max(tets, tets_of(input.complexity, coarseness));
   if (options.partitioner.kind == partition::Partitioner::Kind::pqr)

@@ -10,10 +10,6 @@
 
 namespace weft::meshing {
 
-/// A mesh with this mean quality has nothing worth keeping, and is made coarse first. Meshes that were
-/// adapted to a metric like the wanted one have 0.8 and more (0.85 gains some quality, and loses a sixth of
-/// the time).
-inline constexpr double kFarMean = 0.75;
 /// What of the mesh is looked at.
 enum class Extent : std::uint8_t {
   everything,

@@ -84,7 +84,9 @@ std::vector<double> complexities_of(const TetPoints& points, std::size_t num_tet
   return result;
 }
 
-double mean_quality(Peers& peers, const PlacedTets& placed, const TetPoints& points, std::uint64_t num_tets) {
+/// Weighed by complexity: what becomes few tets does not matter, however many it has now.
+double mean_quality(Peers& peers, const PlacedTets& placed, const TetPoints& points,
+                    std::span<const double> complexities) {
   std::vector<Point> x;
   std::vector<meshing::LogMetric> log_metrics;
   x.reserve(points.all().size());
@@ -93,14 +95,16 @@ double mean_quality(Peers& peers, const PlacedTets& placed, const TetPoints& poi
     x.push_back(record.point);
     log_metrics.push_back(record.log_metric);
   }
-  std::vector<double> qualities;
-  qualities.reserve(placed.tets.size() + meshing::kLanes);
+  std::vector<double> weighed;
+  weighed.reserve(placed.tets.size() + meshing::kLanes);
   for (std::size_t first = 0; first < placed.tets.size(); first += meshing::kLanes) {
     const meshing::Lanes ratios = meshing::mean_ratios(placed.tets, first, x, log_metrics);
-    for (int i = 0; i < meshing::kLanes; ++i) qualities.push_back(std::max(0.0, ratios[i]));
+    for (int i = 0; i < meshing::kLanes; ++i) weighed.push_back(std::max(0.0, ratios[i]));
   }
-  qualities.resize(placed.tets.size());
-  return ordered_sum(peers, qualities) / static_cast<double>(num_tets);
+  weighed.resize(placed.tets.size());
+  for (std::size_t t = 0; t < weighed.size(); ++t) weighed[t] *= complexities[t];
+  const double all = ordered_sum(peers, complexities), sum = ordered_sum(peers, weighed);
+  return all > 0 ? sum / all : 0;
 }
 
 meshing::Box box_of(Peers& peers, const TetPoints& points) {
@@ -123,8 +127,9 @@ std::optional<InputIssue> find_inverted(const MeshSlice& slice, const TetPoints&
 Measured check_and_measure(Peers& peers, const MeshSlice& slice, const PlacedTets& placed,
                            const TetPoints& points) {
   throw_first(peers, find_inverted(slice, points));
-  return {complexities_of(points, slice.tets.size()), mean_quality(peers, placed, points, slice.num_tets),
-          box_of(peers, points)};
+  std::vector<double> complexities = complexities_of(points, slice.tets.size());
+  const double quality = mean_quality(peers, placed, points, complexities);
+  return {std::move(complexities), quality, box_of(peers, points)};
 }
 
 /// M <- factor^(2/3) M.

@@ -21,7 +21,7 @@ namespace weft::partition {
 struct InputMeasures {
   std::uint64_t tets = 0;
   double complexity = 0;    ///< in its metric
-  double mean_quality = 0;  ///< of the tets, in its metric
+  double mean_quality = 0;  ///< of the tets, in its metric, weighed by what each has of the complexity
 };
 
 struct DecompositionOptions {
@@ -46,7 +46,7 @@ struct Distributed {
   std::vector<std::string> warnings;         ///< what was repaired; the same on every rank
   meshing::Box box;                          ///< of the whole mesh
   double complexity = 0;                     ///< of the whole mesh in its metric
-  double mean_quality = 0;                   ///< of the whole mesh's tets
+  double mean_quality = 0;                   ///< InputMeasures::mean_quality
   bool cut_by_runs = false;                  ///< as Partitioner::runs_suffice allows
   /// Where some subdomains have no tets at first: those that have, ascending, from 0. Each is to be divided
   /// with the ones up to the next (partition/divide), which are as many as befits its work.
