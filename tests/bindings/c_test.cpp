@@ -618,6 +618,10 @@ TEST_F(CInterface, FilesAreAdaptedWithAllThatTheCommandIsTold) {
   weft_result_summary(result, &summary);
   EXPECT_THAT(summary, HasSubstr("simulated"));
   EXPECT_EQ(std::filesystem::file_size(out), std::filesystem::file_size(simulated));
+  settings.simulate_cores = -1;
+  EXPECT_EQ(weft_adapt_files_with(start.c_str(), simulated.c_str(), &settings, asked, &result), WEFT_MISUSE);
+  EXPECT_THAT(weft_last_error(), HasSubstr("--simulate-cores"));
+  settings.simulate_cores = 1;
   settings.num_fields = 2;
   settings.fields = nullptr;
   EXPECT_EQ(weft_adapt_files_with(start.c_str(), out.c_str(), &settings, asked, &result), WEFT_MISUSE);

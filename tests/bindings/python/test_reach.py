@@ -189,6 +189,9 @@ def test_runs_on_files_write_all_that_the_command_writes(tmp_path, start):
                                  simulate_cores=1)
     assert simulated.seconds > 0 and isinstance(simulated, weft.SimulatedFilesResult)
     assert same(tmp_path, "fine.meshb", "plain.meshb", "fine.meshb", "simulated.meshb")
+    with pytest.raises(weft.OptionError, match="--simulate-cores"):
+        weft.adapt_files(tmp_path / "start.meshb", tmp_path / "simulated.meshb", metric_fn="uniform:0.2", subdomains=3,
+                         simulate_ranks=2, simulate_cores=-1)
 
 
 def test_files_are_converted_as_by_the_command(tmp_path, start):
