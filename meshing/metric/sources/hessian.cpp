@@ -6,6 +6,7 @@
 
 #include "meshing/base/assert.h"
 #include "meshing/base/parallel.h"
+#include "meshing/base/small_set.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/metric/sources/quadratic_fit.h"
 
@@ -17,31 +18,39 @@ namespace {
 
 constexpr int kFirstRings = 2, kMostRings = 4;
 
-/// The vertices within some edges of a centre, ascending.
+/// The vertices within some edges of a centre.
 class Ball {
  public:
-  void start(std::uint32_t centre) { vertices_.assign(1, centre); }
+  void start(std::uint32_t centre) {
+    vertices_.assign(1, centre);
+    seen_.clear();
+    seen_.insert(centre);
+    inside_ = 0;
+  }
   /// One edge wider; false when there is nothing more to reach.
   bool grow(const VertexLists& neighbours) {
-    const std::uint32_t centre = vertices_.size() == 1 ? vertices_[0] : kNone;
-    wider_ = vertices_;
-    for (const std::uint32_t v : vertices_) {
-      const auto more = neighbours.of(v);
+    const std::size_t end = vertices_.size();
+    for (; inside_ < end; ++inside_) {
+      const auto more = neighbours.of(vertices_[inside_]);
       // All the balls of a hub's k neighbours would have k vertices: k^2 in all. They do without it.
-      if (v != centre && more.size() > kMostNeighbours) continue;
-      wider_.insert(wider_.end(), more.begin(), more.end());
+      if (inside_ > 0 && more.size() > kMostNeighbours) continue;
+      for (const std::uint32_t v : more)
+        if (seen_.insert(v)) vertices_.push_back(v);
     }
-    std::sort(wider_.begin(), wider_.end());
-    wider_.erase(std::unique(wider_.begin(), wider_.end()), wider_.end());
-    vertices_.swap(wider_);
-    return vertices_.size() > wider_.size();
+    return vertices_.size() > end;
   }
-  std::span<const std::uint32_t> vertices() const { return vertices_; }
+  /// Ascending, as sums are to have the same order in every part that has them.
+  std::span<const std::uint32_t> vertices() {
+    ascending_ = vertices_;
+    std::ranges::sort(ascending_);
+    return ascending_;
+  }
 
  private:
   static constexpr std::size_t kMostNeighbours = 256;
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-  std::vector<std::uint32_t> vertices_, wider_;
+  std::vector<std::uint32_t> vertices_, ascending_;  ///< ring by ring from the centre
+  std::size_t inside_ = 0;                           ///< how many have all their neighbours here
+  SmallSet seen_;
 };
 
 struct FitScratch {
