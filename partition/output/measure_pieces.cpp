@@ -144,8 +144,9 @@ void divide_edges(Peers& peers, std::span<const MeshPiece> mine, const VertexFla
 }
 
 /// Counts the vertices of the part's tets, each in the lowest subdomain that has it there.
-void count_vertices_of_part(Peers& peers, std::span<const MeshPiece> mine, std::span<const PieceShare> shares,
-                            const VertexFlags& flags, std::vector<PieceMeasures>& pieces) {
+void count_vertices_of_part(Peers& peers, std::span<const MeshPiece> mine,
+                            std::span<const PieceShare* const> shares, const VertexFlags& flags,
+                            std::vector<PieceMeasures>& pieces) {
   std::vector<Undecided<1>> undecided(mine.size());
   VertexFlags counted(mine.size());
   meshing::for_each_large(mine.size(), [&](std::size_t p) {
@@ -156,7 +157,7 @@ void count_vertices_of_part(Peers& peers, std::span<const MeshPiece> mine, std::
     for (std::size_t v = 0; v < shared.size(); ++v) {
       if (!counted[p][v] || !shared[v]) continue;
       if (flags[p][v])
-        counted[p][v] = shares[p].points[v];
+        counted[p][v] = shares[p]->points[v];
       else
         undecided[p].add({mine[p].ids[v]}, mine[p], counted[p][v]);
     }
@@ -181,11 +182,15 @@ PieceMeasures look_at(const meshing::MeshData& mesh, const PieceShare& share, co
   return piece;
 }
 
-std::vector<PieceMeasures> look_at(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags) {
+std::vector<PieceMeasures> look_at(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags,
+                                   const Numbering* numbering) {
   std::vector<PieceMeasures> pieces(mine.size());
-  const std::vector<PieceShare> shares = shares_of(peers, mine);
+  const std::vector<PieceShare> found = numbering ? std::vector<PieceShare>{} : shares_of(peers, mine);
+  std::vector<const PieceShare*> shares;
+  for (std::size_t p = 0; p < mine.size(); ++p)
+    shares.push_back(numbering ? &numbering->pieces[p].share : &found[p]);
   meshing::for_each_large(mine.size(),
-                          [&](std::size_t p) { pieces[p] = look_at(mine[p].mesh, shares[p], flags[p]); });
+                          [&](std::size_t p) { pieces[p] = look_at(mine[p].mesh, *shares[p], flags[p]); });
   count_vertices_of_part(peers, mine, shares, flags, pieces);
   divide_edges(peers, mine, flags, pieces);
   return pieces;
@@ -364,8 +369,9 @@ Measures measure_pieces(Peers& peers, std::span<const MeshPiece> mine) {
   return measure_pieces(peers, mine, none).whole;
 }
 
-WholeAndPart measure_pieces(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags) {
-  std::vector<PieceMeasures> looks = look_at(peers, mine, flags);
+WholeAndPart measure_pieces(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags,
+                            const Numbering* numbering) {
+  std::vector<PieceMeasures> looks = look_at(peers, mine, flags, numbering);
   std::vector<BothSums> of_pieces(mine.size());
   meshing::for_each_large(mine.size(), [&](std::size_t p) {
     of_pieces[p] = sums_of(mine[p], looks[p]);

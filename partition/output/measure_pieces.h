@@ -7,6 +7,7 @@
 
 #include "meshing/metric/measures.h"
 #include "partition/communication/peers.h"
+#include "partition/output/numbering.h"
 #include "partition/subdomain/mesh_piece.h"
 
 namespace weft::partition {
@@ -25,6 +26,8 @@ struct WholeAndPart {
 
 /// Likewise, and of a part of the mesh beside it: the tets with a flagged vertex, their vertices and edges,
 /// and the triangles with a flagged vertex. Copies of a vertex have the same flag; flags[p] is for mine[p].
-WholeAndPart measure_pieces(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags);
+/// `numbering`: what number_pieces() says of these pieces, where it has been asked; on all ranks or none.
+WholeAndPart measure_pieces(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags,
+                            const Numbering* numbering = nullptr);
 
 }  // namespace weft::partition

@@ -2,12 +2,15 @@
 #include "partition/output/output.h"
 
 #include <algorithm>
+#include <exception>
 #include <functional>
 #include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "meshing/io/gmf/gmf_slice_writer.h"
@@ -197,61 +200,105 @@ GmfOutput mesh_output(Peers& peers, const Share& share, const std::filesystem::p
   return {name, *plan, gmf_parts(share, carried)};
 }
 
-/// The mesh and the solutions beside it, which appear once it has.
-template <class Mesh>
-void write_all(Peers& peers, const Share& share, Mesh& mesh, const std::filesystem::path& name,
-               const std::filesystem::path& solution, int version) {
-  std::optional<GmfOutput> metrics = solution_output(
-      peers, share, solution, meshing::solution_from_metric({}),
-      [&](std::size_t p) { return own_metrics(share.pieces[p], share.numbering.pieces[p]); }, version);
-  std::optional<GmfOutput> fields = solution_output(
-      peers, share, share.fields.file, share.fields.kinds,
-      [&](std::size_t p) { return own_fields(share, p); }, version);
-  mesh.create(peers);
-  if (metrics) metrics->create(peers);
-  if (fields) fields->create(peers);
-  const auto write = [&](auto& file) {
-    agree_on(peers, [&] { file.write(); });
-    file.deliver(peers);
-  };
-  write(mesh);
-  if (metrics) write(*metrics);
-  if (fields) write(*fields);
-  agree_on(peers, [&] {
-    if (peers.rank() != 0) return;
-    const meshing::FormerFile mesh_before(name), fields_before(share.fields.file);
-    mesh.commit();
-    if (fields) fields->commit();
-    if (metrics) metrics->commit();
-  });
-}
-
 }  // namespace
 
 bool can_write_pieces(const std::filesystem::path& mesh) {
   return is_mesh(mesh) || meshing::can_be_written_in_parts(mesh) || meshing::can_be_written_as_text(mesh);
 }
 
+/// The mesh and the solutions beside it.
+struct PiecesOutput::Files {
+  Files(const Share& of_rank, const std::filesystem::path& mesh_name) : share(of_rank), name(mesh_name) {}
+
+  void begin_mesh(Peers& peers, const meshing::Association& carried, int version,
+                  const meshing::RefNames& names) {
+    if (is_mesh(name)) {
+      mesh.emplace<GmfOutput>(mesh_output(peers, share, name, carried, version));
+    } else if (meshing::can_be_written_as_text(name)) {
+      described = describe_pieces(peers, share.pieces, share.numbering);
+      if (share.first) described.whole.names = names;
+      mesh.emplace<CommonText>(name, described.whole, [this](const auto& action) {
+        for_parts(share, described.pieces, false, [&](std::size_t p, const meshing::MeshPart& part) {
+          action(share.pieces[p].subdomain.value, part);
+        });
+      });
+    } else {
+      mesh.emplace<CommonMesh>(peers, share, name, names);
+    }
+  }
+  void begin_solutions(Peers& peers, const std::filesystem::path& solution, int version) {
+    metrics = solution_output(
+        peers, share, solution, meshing::solution_from_metric({}),
+        [this](std::size_t p) { return own_metrics(share.pieces[p], share.numbering.pieces[p]); }, version);
+    fields = solution_output(
+        peers, share, share.fields.file, share.fields.kinds,
+        [this](std::size_t p) { return own_fields(share, p); }, version);
+  }
+
+  template <class Action>
+  void for_each(const Action& action) {
+    std::visit(
+        [&](auto& file) {
+          if constexpr (!std::is_same_v<decltype(file), std::monostate&>) action(file);
+        },
+        mesh);
+    if (metrics) action(*metrics);
+    if (fields) action(*fields);
+  }
+
+  const Share share;
+  const std::filesystem::path name;
+  DescribedMesh described;  ///< of a text format
+  std::variant<std::monostate, GmfOutput, CommonText, CommonMesh> mesh;
+  std::optional<GmfOutput> metrics, fields;
+  std::exception_ptr failure;  ///< of write()
+};
+
+PiecesOutput::PiecesOutput(Peers& peers, std::span<const MeshPiece> mine, const Numbering& numbering,
+                           const std::filesystem::path& mesh, const std::filesystem::path& solution,
+                           const meshing::Association& carried, int version, const meshing::RefNames& names,
+                           const PieceFields& fields)
+    : files_(std::make_unique<Files>(Share{peers.rank() == 0, mine, numbering, fields}, mesh)) {
+  files_->begin_mesh(peers, carried, version, names);
+  files_->begin_solutions(peers, solution, version);
+  files_->for_each([&](auto& file) { file.create(peers); });
+}
+
+PiecesOutput::~PiecesOutput() = default;
+
+void PiecesOutput::write() noexcept {
+  try {
+    files_->for_each([](auto& file) { file.write(); });
+  } catch (...) {
+    files_->failure = std::current_exception();
+  }
+}
+
+void PiecesOutput::finish(Peers& peers) {
+  agree_on(peers, [&] {
+    if (files_->failure) std::rethrow_exception(files_->failure);
+  });
+  files_->for_each([&](auto& file) { file.deliver(peers); });
+  agree_on(peers, [&] {
+    if (peers.rank() != 0) return;
+    const meshing::FormerFile mesh_before(files_->name), fields_before(files_->share.fields.file);
+    std::visit(
+        [](auto& file) {
+          if constexpr (!std::is_same_v<decltype(file), std::monostate&>) file.commit();
+        },
+        files_->mesh);
+    if (files_->fields) files_->fields->commit();
+    if (files_->metrics) files_->metrics->commit();
+  });
+}
+
 void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::filesystem::path& mesh,
                   const std::filesystem::path& solution, const meshing::Association& carried, int version,
                   const meshing::RefNames& names, const PieceFields& fields) {
   const Numbering numbering = number_pieces(peers, mine);
-  const Share share{peers.rank() == 0, mine, numbering, fields};
-  if (is_mesh(mesh)) {
-    GmfOutput file = mesh_output(peers, share, mesh, carried, version);
-    write_all(peers, share, file, mesh, solution, version);
-  } else if (meshing::can_be_written_as_text(mesh)) {
-    DescribedMesh described = describe_pieces(peers, mine, numbering);
-    if (share.first) described.whole.names = names;
-    CommonText file(mesh, described.whole, [&](const auto& action) {
-      for_parts(share, described.pieces, false,
-                [&](std::size_t p, const meshing::MeshPart& part) { action(mine[p].subdomain.value, part); });
-    });
-    write_all(peers, share, file, mesh, solution, version);
-  } else {
-    CommonMesh file(peers, share, mesh, names);
-    write_all(peers, share, file, mesh, solution, version);
-  }
+  PiecesOutput output(peers, mine, numbering, mesh, solution, carried, version, names, fields);
+  output.write();
+  output.finish(peers);
 }
 
 }  // namespace weft::partition

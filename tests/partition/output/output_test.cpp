@@ -266,6 +266,39 @@ TEST(WritePieces, NothingButEmptyPiecesMakeAnEmptyMesh) {
   EXPECT_EQ(meshing::read_gmf_solution(directory / "m.solb").num_points, 0u);
 }
 
+TEST(PiecesOutput, IsWrittenByThreadsOfTheirOwn) {
+  const CutMesh cut = random_cut(6);
+  const TemporaryDirectory directory;
+  for (const std::string name : {"m.meshb", "m.mesh", "m.vtu"}) {
+    SelfPeers alone;
+    write_pieces(alone, cut.pieces, directory / ("whole-" + name), directory / "whole.solb");
+    const auto hands = deal(cut.pieces, 3);
+    run_on_ranks(3, [&](Peers& peers) {
+      const Numbering numbering = number_pieces(peers, hands[peers.rank()]);
+      PiecesOutput output(peers, hands[peers.rank()], numbering, directory / name, directory / "m.solb");
+      std::jthread([&] { output.write(); }).join();
+      output.finish(peers);
+    });
+    EXPECT_TRUE(bytes_of(directory / name) == bytes_of(directory / ("whole-" + name))) << name;
+    EXPECT_TRUE(bytes_of(directory / "m.solb") == bytes_of(directory / "whole.solb")) << name;
+  }
+}
+
+TEST(PiecesOutput, LeavesNothingWhereItGoesUnfinished) {
+  const CutMesh cut = random_cut(4);
+  const TemporaryDirectory directory;
+  put_bytes(directory / "m.meshb", "precious");
+  const auto hands = deal(cut.pieces, 3);
+  run_on_ranks(3, [&](Peers& peers) {
+    const Numbering numbering = number_pieces(peers, hands[peers.rank()]);
+    PiecesOutput output(peers, hands[peers.rank()], numbering, directory / "m.meshb", directory / "m.solb");
+    output.write();
+    allgather(peers, std::vector<int>{1});  // all have written
+  });
+  EXPECT_EQ(bytes_of(directory / "m.meshb"), "precious");
+  EXPECT_EQ(directory.num_entries(), 1u);
+}
+
 /// The message with which every rank fails to write; there must be one, and only one.
 std::string common_issue(const std::vector<std::vector<MeshPiece>>& hands, const fs::path& mesh,
                          const fs::path& solution, int version = 0) {

@@ -12,7 +12,6 @@
 #include "partition/communication/point_limit.h"
 #include "partition/communication/reduce.h"
 #include "partition/fields/piece_slices.h"
-#include "partition/output/numbering.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/ranks.h"
@@ -81,7 +80,7 @@ partition::MeshSlice background_of(partition::Peers& peers, const Part& part, co
 
 void carry_fields(tools::DistributedRun& run, partition::MeshSlice&& old, const Fields& fields,
                   TransferMethod method, PartResult& result) {
-  const partition::Numbering numbering = partition::number_pieces(run.peers(), run.pieces());
+  const partition::Numbering& numbering = run.numbering();
   if (const std::string issue = partition::too_many_points(numbering.totals.points); !issue.empty()) {
     result.warnings.push_back("fields are not carried to the result: " + issue);  // it is not lost with them
     return;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,6 @@
 #include "partition/fields/measure_slices.h"
 #include "partition/fields/piece_slices.h"
 #include "partition/output/merge_pieces.h"
-#include "partition/output/numbering.h"
 #include "partition/output/output.h"
 #include "partition/output/piece_files.h"
 #include "tools/common/naming.h"
@@ -71,15 +71,19 @@ class DistributedFileJob {
     run_.adapt(std::move(input.slice), target, files_.input, account_,
                input.background ? &*input.background : nullptr);
     watch_.lap();
+    run_.on_threads([&] {
+      if (!files_.fields.empty()) carry_fields();
+      if (writes_one_file()) begin_writing();
+    });
     // Who interrupts a run may soon kill it: the mesh first.
     const bool write_first = account_.cancelled && written_by_all();
-    if (write_first) carry_and_write();
+    if (write_first) write();
     if (is_measured())
       run_.measure(account_);
     else
       run_.count(account_);
     account_.times.measure += watch_.lap();
-    if (!write_first) carry_and_write();
+    if (!write_first) write();
     finish();
     return files_result(account_, report_error_, run_.first());
   }
@@ -161,21 +165,13 @@ class DistributedFileJob {
     fields_ = std::move(input.fields);
   }
 
-  bool written_by_all() const {
-    const fs::path mesh = account_.outputs.mesh;
-    return mesh.extension() == ".pvtu" || partition::can_write_pieces(mesh);
-  }
-
-  void carry_and_write() {
-    run_.on_threads([&] {
-      if (!files_.fields.empty()) carry_fields();
-      write();
-    });
-  }
+  bool writes_pieces() const { return fs::path(account_.outputs.mesh).extension() == ".pvtu"; }
+  bool writes_one_file() const { return partition::can_write_pieces(account_.outputs.mesh); }
+  bool written_by_all() const { return writes_pieces() || writes_one_file(); }
 
   void carry_fields() {
-    run_.monitor().update("fields", 1, account_.output_counts.tets);
-    const partition::Numbering numbering = partition::number_pieces(run_.peers(), run_.pieces());
+    run_.monitor().update("fields", 1, 0);
+    const partition::Numbering& numbering = run_.numbering();
     if (const std::string issue = partition::too_many_points(numbering.totals.points); !issue.empty()) {
       report_error_ = "fields are not carried to the result: " + issue;  // which is not lost with them
       old_ = {};
@@ -192,19 +188,36 @@ class DistributedFileJob {
     account_.times.fields = watch_.lap();
   }
 
+  /// On ranks that have a thread for it bytes go out while the result is measured.
+  void begin_writing() {
+    output_.emplace(run_.peers(), run_.pieces(), run_.numbering(), account_.outputs.mesh,
+                    account_.outputs.solution, carried_, 0, names_, piece_fields_);
+    if (run_.has_spare_thread())
+      writing_ = std::jthread([this] { with_threads(1, [this] { output_->write(); }); });
+    account_.times.write = watch_.lap();
+  }
+
   void write() {
     run_.monitor().update("writing", 1, account_.output_counts.tets);
-    const fs::path mesh = account_.outputs.mesh;
-    if (!written_by_all()) {
-      write_by_first();
-    } else if (mesh.extension() == ".pvtu") {
-      partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), mesh, piece_fields_);
-    } else {
-      partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_, 0,
-                              names_, piece_fields_);
-      if (run_.first()) copy_names();
-    }
-    account_.times.write = watch_.lap();
+    run_.on_threads([&] {
+      if (output_) {
+        end_writing();
+      } else if (writes_pieces()) {
+        partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), account_.outputs.mesh, piece_fields_);
+      } else {
+        write_by_first();
+      }
+    });
+    account_.times.write += watch_.lap();
+  }
+
+  void end_writing() {
+    if (writing_.joinable())
+      writing_.join();
+    else
+      output_->write();
+    output_->finish(run_.peers());
+    if (run_.first()) copy_names();
   }
 
   /// Formats that one program writes: rank 0 gets the whole mesh.
@@ -270,6 +283,8 @@ class DistributedFileJob {
   partition::PieceFields piece_fields_;
   meshing::Association carried_;  ///< the CAD model in the input, on rank 0
   meshing::RefNames names_;       ///< of the input's references; on rank 0 at least
+  std::optional<partition::PiecesOutput> output_;
+  std::jthread writing_;  ///< after what it writes, so that it ends before that
 };
 
 /// Of ranks in one process the first alone says how far it is and hears the caller, and none watches the

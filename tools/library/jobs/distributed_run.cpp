@@ -20,7 +20,6 @@
 #include "partition/decompose/partitioner.h"
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/output/measure_pieces.h"
-#include "partition/output/numbering.h"
 #include "partition/output/sum_on_model.h"
 #include "partition/verify/check_result.h"
 #include "tools/common/naming.h"
@@ -349,11 +348,17 @@ void DistributedRun::account_for_exchanges() {
       sum_exchanges(*peers_, engine::exchanged_between(after_loop_, runtime_->summary()));
 }
 
+const partition::Numbering& DistributedRun::numbering() {
+  if (!numbering_) numbering_ = on_threads([&] { return partition::number_pieces(*peers_, result_.pieces); });
+  return *numbering_;
+}
+
 void DistributedRun::measure(Report& report) {
   monitor_.update("measuring", 1, 0);
   const partition::WholeAndPart measures = on_threads([&] {
     if (keep_.view) gather_view(*exchange_, *peers_, result_.pieces, model_.get(), record_);
-    return partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
+    return partition::measure_pieces(*peers_, result_.pieces, result_.was_interface,
+                                     numbering_ ? &*numbering_ : nullptr);
   });
   report.after = measures.whole;
   stats_->former_interface = measures.part;
@@ -378,7 +383,7 @@ meshing::Transfer DistributedRun::carry(partition::MeshSlice&& from, const meshi
 }
 
 void DistributedRun::count(Report& report) {
-  const auto totals = on_threads([&] { return partition::number_pieces(*peers_, result_.pieces).totals; });
+  const auto& totals = numbering().totals;
   report.output_counts = {totals.points, totals.tets, totals.triangles, totals.edges};
 }
 

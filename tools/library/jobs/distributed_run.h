@@ -12,6 +12,7 @@
 #include "graph/adaptation/distributed_adaptation.h"
 #include "graph/dataflow/rank_exchange.h"
 #include "meshing/fields/transfer.h"
+#include "partition/output/numbering.h"
 #include "partition/slice/mesh_slice.h"
 #include "tools/library/jobs/monitor.h"
 #include "tools/library/jobs/resources/threads.h"
@@ -50,6 +51,11 @@ class DistributedRun {
     return with_threads(threads_, work);
   }
 
+  /// Whether work that asks no other rank may be done beside the steps: this rank has more threads than one.
+  bool has_spare_thread() const {
+    return !shares_its_thread_ && on_threads([] { return tbb::this_task_arena::max_concurrency(); }) > 1;
+  }
+
   /// Reads the CAD model that the options name, on every rank. `mesh` of
   /// rank 0 may carry it; errors call it `name`. To be called before adapt(). Throws on all ranks where one
   /// fails.
@@ -68,6 +74,8 @@ class DistributedRun {
   void count(Report& report);
 
   std::vector<partition::MeshPiece>& pieces() { return result_.pieces; }
+  /// Of the pieces, made when first asked for, by all ranks.
+  const partition::Numbering& numbering();
   const graph::adaptation::AdaptationPlan& plan() const { return rank_.plan; }
   RunRecord& record() { return record_; }
   /// The last exchange: what was exchanged after the loop goes into the account.
@@ -108,7 +116,8 @@ class DistributedRun {
   std::optional<graph::dataflow::RankExchange> exchange_;
   std::shared_ptr<const meshing::Model> model_;  ///< null: the surface is reconstructed
   graph::adaptation::DistributedResult result_;
-  engine::RankSummary before_loop_, after_loop_;  ///< of this rank
+  std::optional<partition::Numbering> numbering_;  ///< of the result's pieces
+  engine::RankSummary before_loop_, after_loop_;   ///< of this rank
   std::shared_ptr<DistributedStats> stats_;
   RunRecord record_;
   std::optional<report::MemorySampler> memory_;
