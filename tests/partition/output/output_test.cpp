@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <limits>
 #include <mutex>
+#include <thread>
 
 #include "meshing/base/error.h"
 #include "meshing/io/gmf/gmf.h"
