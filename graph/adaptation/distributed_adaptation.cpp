@@ -28,6 +28,7 @@
 namespace weft::graph::adaptation {
 
 using partition::Subdomain;
+using partition::SubdomainId;
 using partition::SubdomainStart;
 
 namespace {
@@ -57,25 +58,42 @@ struct Made {
   std::vector<SubdomainTask::Ref> parts;  ///< that have no tets until others divide
 };
 
-Made make_subdomains(engine::Context& context, std::vector<SubdomainStart>& starts,
-                     dataflow::Recording recording, const AdaptationPlan& plan) {
+/// A subdomain that is no task yet.
+struct NewSubdomain {
+  Subdomain subdomain;
+  double predicted;      ///< predicted_tets()
+  std::size_t num_tets;  ///< of its start
+};
+
+/// Uses up the starts, several at a time (TBB, in the caller's arena).
+std::vector<NewSubdomain> make_subdomains(std::vector<SubdomainStart>&& starts) {
+  std::vector<NewSubdomain> made(starts.size());
+  meshing::for_each_large(starts.size(), [&](std::size_t i) {
+    const double predicted = predicted_tets(starts[i]);
+    const std::size_t num_tets = starts[i].tets.size();
+    made[i] = {Subdomain(starts[i], partition::tet_slots_for(predicted, num_tets)), predicted, num_tets};
+    starts[i] = {};
+  });
+  return made;
+}
+
+Made make_tasks(engine::Context& context, std::vector<NewSubdomain>&& subdomains,
+                dataflow::Recording recording, const AdaptationPlan& plan) {
   Made made;
-  for (SubdomainStart& start : starts) {
-    const double predicted = predicted_tets(start);
-    const std::size_t num_tets = start.tets.size();
-    Subdomain subdomain(start, partition::tet_slots_for(predicted, num_tets));
+  for (auto& [subdomain, predicted, num_tets] : subdomains) {
+    const SubdomainId id = subdomain.id;
     const auto others = subdomain.interface.neighbours();
-    made.neighbours.push_back({start.subdomain, {others.begin(), others.end()}});
-    const PartsOf family = plan.parts_with(start.subdomain);
+    made.neighbours.push_back({id, {others.begin(), others.end()}});
+    const PartsOf family = plan.parts_with(id);
     for (std::uint32_t part = family.first.value + 1; part < family.first.value + family.count; ++part)
-      if (start.subdomain == family.first) made.neighbours.back().others.emplace_back(part);
-    if (start.subdomain != family.first) made.neighbours.back().others.push_back(family.first);
+      if (id == family.first) made.neighbours.back().others.emplace_back(part);
+    if (id != family.first) made.neighbours.back().others.push_back(family.first);
     const auto ref =
         dataflow::create<SubdomainTask>(context, SubdomainTask(std::move(subdomain), predicted), recording);
-    if (ref.id != object_of(plan, context.ranks(), start.subdomain).id)
-      throw std::logic_error("subdomain " + std::to_string(start.subdomain.value) +
+    if (ref.id != object_of(plan, context.ranks(), id).id)
+      throw std::logic_error("subdomain " + std::to_string(id.value) +
                              " is not the object that others expect");
-    if (start.subdomain != family.first) {
+    if (id != family.first) {
       made.parts.push_back(ref);
     } else {
       const double coarseness = plan.phases[0].coarseness;
@@ -83,7 +101,6 @@ Made make_subdomains(engine::Context& context, std::vector<SubdomainStart>& star
                                        predicted / std::pow(coarseness, 3));
       made.tasks.emplace_back(ref, SubdomainTask::seconds_to_adapt(to_adapt));
     }
-    start = {};
   }
   return made;
 }
@@ -102,7 +119,7 @@ class CheckedRun {
              const DistributedOptions& options)
       : runtime_(runtime), peers_(peers), rank_(rank), options_(options) {}
 
-  /// After make_subdomains(). Returns the number of checks. `begins`: called before anything is adapted.
+  /// After make_tasks(). Returns the number of checks. `begins`: called before anything is adapted.
   std::uint32_t run(const Made& made, const std::function<void()>& begins) {
     begin_with(here());
     begins();
@@ -427,9 +444,10 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
       runtime.run();
   } else {
     Made made;
+    std::vector<NewSubdomain> subdomains = make_subdomains(std::move(d.starts));
     if (!plan.pauses) begin_writing();
     runtime.run([&](engine::Context& context) {
-      made = make_subdomains(context, d.starts, options.recording, plan);
+      made = make_tasks(context, std::move(subdomains), options.recording, plan);
       if (!plan.pauses) start_tasks(context, made, plan);
     });
     // Nothing goes on by itself from subdomains that have not been started.

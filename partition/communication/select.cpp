@@ -3,11 +3,13 @@
 #include "partition/communication/select.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
+#include "meshing/base/parallel.h"
 #include "partition/communication/reduce.h"
 
 namespace weft::partition {
@@ -26,13 +28,26 @@ double value_of(std::uint64_t key) { return std::bit_cast<double>(key & kSign ? 
 /// they are few: the first byte of values of a kind is the same for nearly all.
 class Search {
  public:
-  Search(std::span<const double> values, std::uint64_t place) : values_(values), place_(place) {}
+  Search(std::span<const std::span<const double>> lists, std::uint64_t place) : lists_(lists), place_(place) {
+    for (const std::span<const double> list : lists) num_values_ += list.size();
+  }
 
   std::uint64_t found() const { return found_; }
 
   /// How many of this rank's keys have each value of the byte at `shift`: 256 counts.
   void count(int shift, std::uint64_t* counts) const {
-    for_each_key(shift, [&](std::uint64_t key) { ++counts[key >> shift & 0xFF]; });
+    const auto byte_of = [&](std::uint64_t key) { return key >> shift & 0xFF; };
+    if (are_copied_) {
+      for (const std::uint64_t key : keys_) ++counts[byte_of(key)];
+      return;
+    }
+    std::vector<std::array<std::uint64_t, 256>> of_lists(lists_.size());
+    meshing::for_each_large(lists_.size(), [&](std::size_t i) {
+      of_lists[i] = {};
+      for_each_key_of(lists_[i], shift, [&](std::uint64_t key) { ++of_lists[i][byte_of(key)]; });
+    });
+    for (const auto& of_list : of_lists)
+      for (std::size_t byte = 0; byte < of_list.size(); ++byte) counts[byte] += of_list[byte];
   }
 
   /// Goes into the byte in which the place is, by the counts of all ranks. `mine`: those of this one.
@@ -41,7 +56,7 @@ class Search {
     std::uint64_t byte = 0;
     for (; place_ >= counts[byte] && byte < 255; ++byte) place_ -= counts[byte];
     std::vector<std::uint64_t> keys;
-    const bool copies = are_copied_ || kFew * mine[byte] <= values_.size();
+    const bool copies = are_copied_ || kFew * mine[byte] <= num_values_;
     if (copies) {
       keys.reserve(mine[byte]);
       for_each_key(shift, [&](std::uint64_t key) {
@@ -75,11 +90,16 @@ class Search {
   void for_each_key(int shift, const F& f) const {
     for (const std::uint64_t key : keys_) f(key);
     if (are_copied_) return;
-    for (const double value : values_)
+    for (const std::span<const double> list : lists_) for_each_key_of(list, shift, f);
+  }
+  template <class F>
+  void for_each_key_of(std::span<const double> list, int shift, const F& f) const {
+    for (const double value : list)
       if (const std::uint64_t key = key_of(value); (key ^ found_) >> shift <= 0xFF) f(key);
   }
 
-  std::span<const double> values_;
+  std::span<const std::span<const double>> lists_;
+  std::size_t num_values_ = 0;
   std::vector<std::uint64_t> keys_;
   bool are_copied_ = false;
   std::uint64_t place_, found_ = 0, left_ = 0;
@@ -115,7 +135,7 @@ void finish(Peers& peers, int shift, std::span<Search> searches) {
 std::vector<std::vector<double>> select_each(Peers& peers, std::span<const Selection> selections) {
   std::vector<Search> searches;
   for (const Selection& wanted : selections)
-    for (const std::uint64_t place : wanted.places) searches.emplace_back(wanted.values, place);
+    for (const std::uint64_t place : wanted.places) searches.emplace_back(wanted.lists, place);
   if (searches.empty()) return std::vector<std::vector<double>>(selections.size());
   int shift = 56;
   do {
@@ -138,7 +158,7 @@ std::vector<std::vector<double>> select_each(Peers& peers, std::span<const Selec
 
 std::vector<double> select(Peers& peers, std::span<const double> values,
                            std::span<const std::uint64_t> places) {
-  const Selection wanted{values, places};
+  const Selection wanted{{values}, places};
   return select_each(peers, std::span(&wanted, 1))[0];
 }
 

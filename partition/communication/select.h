@@ -14,12 +14,12 @@ namespace weft::partition {
 std::vector<double> select(Peers& peers, std::span<const double> values,
                            std::span<const std::uint64_t> places);
 
-/// What is wanted of one list.
+/// What is wanted of values that are in several lists.
 struct Selection {
-  std::span<const double> values;
+  std::vector<std::span<const double>> lists;
   std::span<const std::uint64_t> places;
 };
-/// Of several lists at once, in as many exchanges as of one.
+/// Of several at once, in as many exchanges as of one.
 std::vector<std::vector<double>> select_each(Peers& peers, std::span<const Selection> selections);
 
 }  // namespace weft::partition

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "meshing/base/parallel.h"
 #include "meshing/base/place_in.h"
 #include "meshing/base/release.h"
 #include "meshing/metric/expectations.h"
@@ -72,15 +73,13 @@ struct Measured {
 };
 
 std::vector<double> complexities_of(const TetPoints& points, std::size_t num_tets) {
-  std::vector<double> densities;
-  densities.reserve(points.all().size());
-  for (const PointRecord& record : points.all()) densities.push_back(density(record.log_metric));
-  std::vector<double> result;
-  result.reserve(num_tets);
-  for (std::size_t t = 0; t < num_tets; ++t) {
+  std::vector<double> densities(points.all().size()), result(num_tets);
+  meshing::for_each_index(densities.size(),
+                          [&](std::size_t i) { densities[i] = density(points.all()[i].log_metric); });
+  meshing::for_each_index(num_tets, [&](std::size_t t) {
     const auto& [a, b, c, d] = points.places(t);
-    result.push_back(complexity(points.corners(t), {densities[a], densities[b], densities[c], densities[d]}));
-  }
+    result[t] = complexity(points.corners(t), {densities[a], densities[b], densities[c], densities[d]});
+  });
   return result;
 }
 
@@ -95,14 +94,14 @@ double mean_quality(Peers& peers, const PlacedTets& placed, const TetPoints& poi
     x.push_back(record.point);
     log_metrics.push_back(record.log_metric);
   }
-  std::vector<double> weighed;
-  weighed.reserve(placed.tets.size() + meshing::kLanes);
-  for (std::size_t first = 0; first < placed.tets.size(); first += meshing::kLanes) {
+  constexpr std::size_t kLanes = meshing::kLanes;
+  std::vector<double> weighed(placed.tets.size());
+  meshing::for_each_index((weighed.size() + kLanes - 1) / kLanes, [&](std::size_t batch) {
+    const std::size_t first = batch * kLanes;
     const meshing::Lanes ratios = meshing::mean_ratios(placed.tets, first, x, log_metrics);
-    for (int i = 0; i < meshing::kLanes; ++i) weighed.push_back(std::max(0.0, ratios[i]));
-  }
-  weighed.resize(placed.tets.size());
-  for (std::size_t t = 0; t < weighed.size(); ++t) weighed[t] *= complexities[t];
+    for (std::size_t t = first; t < std::min(first + kLanes, weighed.size()); ++t)
+      weighed[t] = complexities[t] * std::max(0.0, ratios[t - first]);
+  });
   const double all = ordered_sum(peers, complexities), sum = ordered_sum(peers, weighed);
   return all > 0 ? sum / all : 0;
 }
@@ -115,12 +114,14 @@ meshing::Box box_of(Peers& peers, const TetPoints& points) {
 }
 
 std::optional<InputIssue> find_inverted(const MeshSlice& slice, const TetPoints& points) {
-  for (std::size_t t = 0; t < slice.tets.size(); ++t) {
+  const auto issue_of = [&](std::size_t t) {
     const auto p = points.of(t);
-    if (auto issue = inverted(slice.first_tet + t, slice.tets[t],
-                              {&p[0]->point, &p[1]->point, &p[2]->point, &p[3]->point}))
-      return issue;
-  }
+    return inverted(slice.first_tet + t, slice.tets[t],
+                    {&p[0]->point, &p[1]->point, &p[2]->point, &p[3]->point});
+  };
+  const std::size_t t =
+      meshing::find_first(slice.tets.size(), [&](std::size_t i) { return issue_of(i).has_value(); });
+  if (t < slice.tets.size()) return issue_of(t);
   return {};
 }
 
@@ -291,10 +292,12 @@ void share_delicate(Peers& peers, std::span<SubdomainStart> starts) {
 
 /// Vertices of tets so thin that rounding could invert them are marked in all copies.
 void mark_delicate(Peers& peers, std::span<SubdomainStart> starts) {
-  for (SubdomainStart& s : starts)
+  meshing::for_each_large(starts.size(), [&](std::size_t i) {
+    SubdomainStart& s = starts[i];
     for (const auto& t : s.tets)
       if (is_delicate({s.points[t[0]], s.points[t[1]], s.points[t[2]], s.points[t[3]]}))
         for (const std::uint32_t v : t) s.flags[v] |= kDelicate;
+  });
   share_delicate(peers, starts);
 }
 
@@ -365,13 +368,19 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   std::vector<std::uint32_t> numbers;
   for (const PointRecord& record : records) numbers.push_back(record.number);
   const BoundaryIndex index(peers, std::exchange(surface.records, {}), numbers);
+  std::vector<std::pair<SubdomainId, std::span<const TetRecord>>> tets_of;
   auto begin = mine.begin();
   for (SubdomainId s(0); s.value < options.num_subdomains; ++s.value) {
     if (home_rank(s, options.num_subdomains, peers.ranks()) != peers.rank()) continue;
     const auto end = std::find_if(begin, mine.end(), [&](const TetRecord& t) { return t.subdomain != s; });
-    result.starts.push_back(build_start(s, {begin, end}, records, holders, index, result.cut_by_runs));
+    tets_of.push_back({s, {begin, end}});
     begin = end;
   }
+  result.starts.resize(tets_of.size());
+  meshing::for_each_large(tets_of.size(), [&](std::size_t i) {
+    const auto& [s, of_start] = tets_of[i];
+    result.starts[i] = build_start(s, of_start, records, holders, index, result.cut_by_runs);
+  });
   find_inner_patches(peers, surface.triangles, result.starts, *surface.geometry);
   hand_out_pieces(peers, surface.cutter.get(), result.starts);
   surface = {};

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 #include "meshing/base/parallel.h"
-#include "meshing/base/release.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/mesh/tet_tables.h"
@@ -202,7 +202,7 @@ struct Sums {
   TetTotals tets;
   EdgeTotals edges;
   std::vector<PieceSums> pieces;
-  std::vector<double> qualities;
+  std::vector<std::vector<double>> qualities;  ///< of each piece
 
   void add(SubdomainId subdomain, const TetTotals& of_tets, const EdgeTotals& of_edges,
            const Counts& counted) {
@@ -211,7 +211,7 @@ struct Sums {
     edges += of_edges;
     counts.num_vertices += counted.vertices;
     counts.num_triangles += counted.triangles;
-    counts.num_tets += qualities.size();
+    for (const std::vector<double>& list : qualities) counts.num_tets += list.size();
   }
   /// Those of another piece.
   void add(Sums&& other) {
@@ -221,8 +221,7 @@ struct Sums {
     counts.num_vertices += other.counts.num_vertices;
     counts.num_triangles += other.counts.num_triangles;
     counts.num_tets += other.counts.num_tets;
-    qualities.insert(qualities.end(), other.qualities.begin(), other.qualities.end());
-    meshing::release(other.qualities);
+    std::ranges::move(other.qualities, std::back_inserter(qualities));
   }
 };
 
@@ -241,20 +240,17 @@ Flags picked(const PieceMeasures& piece, const Pick& pick) {
 BothSums sums_of(const MeshPiece& piece, const PieceMeasures& look) {
   BothSums sums;
   const meshing::MeasuredPoints points(piece.mesh.points, piece.log_metrics);
-  const auto add_qualities = [](const std::vector<double>& from, std::vector<double>& to) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
   std::vector<double> qualities;
   TetTotals tets = sum_tets(look.beside, points, qualities);
-  add_qualities(qualities, sums.whole.qualities);
+  sums.whole.qualities.push_back(std::move(qualities));
   if (look.part.empty()) {
     sums.whole.add(piece.subdomain, tets, sum_edges(look.edges, look.of_whole, points), look.whole_counts);
     sums.part.add(piece.subdomain, {}, {}, look.part_counts);
     return sums;
   }
   const TetTotals tets_of_part = sum_tets(look.part, points, qualities);
-  add_qualities(qualities, sums.whole.qualities);
-  add_qualities(qualities, sums.part.qualities);
+  sums.whole.qualities.push_back(qualities);
+  sums.part.qualities.push_back(std::move(qualities));
   tets += tets_of_part;
 
   const auto edges = [&](const auto& pick) { return sum_edges(look.edges, picked(look, pick), points); };
@@ -332,12 +328,12 @@ void add_reals(Peers& peers, BothSums& both) {
 
 /// What quantiles are of; none where there are no tets.
 struct Quantiles {
-  explicit Quantiles(const Sums& sums) : values(sums.qualities) {
+  explicit Quantiles(const Sums& sums) : lists(sums.qualities.begin(), sums.qualities.end()) {
     const std::uint64_t n = sums.counts.num_tets;
     if (n > 0) places = {meshing::quantile_place(n, 0.01), meshing::quantile_place(n, 0.001)};
   }
-  Selection selection() const { return {values, places}; }
-  std::span<const double> values;
+  Selection selection() const { return {lists, places}; }
+  std::vector<std::span<const double>> lists;
   std::vector<std::uint64_t> places;
 };
 
