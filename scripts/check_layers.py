@@ -59,6 +59,7 @@ PARTITION = {
     "partition/output": ["communication", "subdomain"],
     "partition/fields": ["communication", "decompose", "distribute", "metric", "output", "slice", "subdomain"],
     "partition/verify": ["communication", "output", "slice", "subdomain"],
+    "partition/fit": ["communication", "decompose", "fields", "slice", "subdomain", "surface", "verify"],
 }
 
 

@@ -198,4 +198,20 @@ Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod m
   return result;
 }
 
+Transfer keep_fields(const MetricDomain& mesh, const SolutionData& fields, TransferMethod method) {
+  Transfer result{fields, 0, 0, named_accounts(fields), method};
+  const ValueTable values = packed(fields);
+  const std::vector<double> sums = integrals(mesh, values);
+  for (std::size_t c = 0; c < result.accounts.size(); ++c)
+    result.accounts[c].integral_before = result.accounts[c].integral_after = sums[c];
+  account_differences(mesh, values, values, result.accounts);
+  if (method != TransferMethod::conservative) return result;
+  auto account = result.accounts.begin();
+  for (const Field& field : fields.fields) {
+    const bool definite = is_definite(mesh, field);
+    for (std::size_t c = 0; c < columns_of(field); ++c) (account++)->stays_definite = definite;
+  }
+  return result;
+}
+
 }  // namespace weft::meshing

@@ -25,4 +25,7 @@ Transfer transfer(const MeshData& from, const SolutionData& fields, const MeshDa
 /// meshes'. Whose flag is set interrupts all.
 Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod method);
 
+/// What transfer() would be to the same mesh without rounding: fields that stay, and their account.
+Transfer keep_fields(const MetricDomain& mesh, const SolutionData& fields, TransferMethod method);
+
 }  // namespace weft::meshing

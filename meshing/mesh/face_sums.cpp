@@ -58,6 +58,13 @@ class Triangles {
     }));
   }
 
+  std::vector<std::uint8_t> outer() const {
+    std::vector<std::uint8_t> flags;
+    flags.reserve(seen_.size());
+    for (const std::uint32_t sides : seen_) flags.push_back(sides == kPositive || sides == kNegative);
+    return flags;
+  }
+
   /// Whether the face has a triangle, which then is told that a tet lies on that side. By any thread.
   bool see(const Triangle& face, bool positive) {
     if (!(on_triangle_[face[0]] & on_triangle_[face[1]] & on_triangle_[face[2]])) return false;
@@ -99,6 +106,8 @@ class Sum {
  public:
   Sum(const MeshData& mesh, std::span<const std::uint64_t> ids)
       : mesh_(mesh), ids_(ids), triangles_(mesh.triangles, mesh.points.size()) {}
+
+  std::vector<std::uint8_t> outer() const { return triangles_.outer(); }
 
   FaceSums run() {
     FaceSums sums;
@@ -154,7 +163,13 @@ FaceSums& FaceSums::operator+=(const FaceSums& other) {
   return *this;
 }
 
-FaceSums sum_faces(const MeshData& mesh, std::span<const std::uint64_t> ids) { return Sum(mesh, ids).run(); }
+FaceSums sum_faces(const MeshData& mesh, std::span<const std::uint64_t> ids,
+                   std::vector<std::uint8_t>* outer) {
+  Sum sum(mesh, ids);
+  const FaceSums sums = sum.run();
+  if (outer) *outer = sum.outer();
+  return sums;
+}
 
 /// Sides of faces at their least vertex, the two others and the orientation in a number.
 std::uint64_t crowded_sides(const MeshData& mesh) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "meshing/mesh/mesh_data.h"
 
@@ -26,8 +27,10 @@ struct FaceSums {
 /// Finds what check_mesh() finds of tets, faces and triangles, but for faces with as many tets too many on
 /// one side as on the other; that sums vanish by chance has a probability of 2^-64. Says nothing of edges,
 /// and does not name what is wrong. `ids`: of the points, the same for copies in other parts; empty: of a
-/// whole mesh. Multithreaded (in the caller's arena), the same on any number of threads.
-FaceSums sum_faces(const MeshData& mesh, std::span<const std::uint64_t> ids = {});
+/// whole mesh. `outer`, unless null, gets 1 for each triangle with a tet on one side only, 0 for the others.
+/// Multithreaded (in the caller's arena), the same on any number of threads.
+FaceSums sum_faces(const MeshData& mesh, std::span<const std::uint64_t> ids = {},
+                   std::vector<std::uint8_t>* outer = nullptr);
 
 /// Sides of faces that two tets and more are on: what the sums do not see where both sides have as many. A
 /// mesh overlaps itself there, in positive tets, which it cannot unless a curved boundary has folded: worth

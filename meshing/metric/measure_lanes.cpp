@@ -79,6 +79,47 @@ Lanes volumes(const VecLanes& e1, const VecLanes& e2, const VecLanes& e3) {
 
 Lanes squared_lengths(const TensorLanes& m, const VecLanes& v) { return dot(v, apply(m, v)); }
 
+VecLanes operator-(const VecLanes& a, const VecLanes& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+
+const std::array<std::uint32_t, 4>& lane_of(std::span<const std::array<std::uint32_t, 4>> tets,
+                                            std::size_t first, int lane) {
+  return tets[std::min(first + static_cast<std::size_t>(lane), tets.size() - 1)];
+}
+
+/// The mean metrics of gathered tets, exp(third) times `unscaled`, and what a mean ratio takes of them: the
+/// trace takes no part, since it scales volume and lengths alike.
+struct MeanMetrics {
+  explicit MeanMetrics(const GatheredTets& g) {
+    TensorLanes x = scaled(Lanes{} + 0.25, load_lanes6(g.logs[0].data(), kLanes));
+    third = (x.xx + x.yy + x.zz) / 3;
+    x.xx -= third, x.yy -= third, x.zz -= third;
+    norm2 = x.xx * x.xx + x.yy * x.yy + x.zz * x.zz + 2 * (x.xy * x.xy + x.xz * x.xz + x.yz * x.yz);
+    unscaled = exp_of_traceless(x);
+    edges = {difference(g, 1, 0), difference(g, 2, 0), difference(g, 3, 0)};
+    volume = volumes(edges[0], edges[1], edges[2]) / 6;
+  }
+
+  /// exact(i) of lanes in which the anisotropy is too strong.
+  template <class Exact>
+  Lanes ratios(const Exact& exact) const {
+    const Lanes sum = sum_squared_lengths(unscaled, edges[0], edges[1], edges[2]);
+    const Lanes magnitude = kMeanRatioFactor * cube_root(volume * volume / (sum * sum * sum));
+    Lanes result;
+    for (int i = 0; i < kLanes; ++i) {
+      const bool plain = norm2[i] <= kMaxExpNorm * kMaxExpNorm && sum[i] > 1e-80 && sum[i] < 1e80;
+      // At most 1 but for rounding, which must not show in the histograms.
+      result[i] = !plain           ? exact(i)
+                  : volume[i] == 0 ? 0
+                                   : std::copysign(std::min(magnitude[i], 1.0), volume[i]);
+    }
+    return result;
+  }
+
+  Lanes third, norm2, volume;
+  TensorLanes unscaled;
+  std::array<VecLanes, 3> edges;
+};
+
 }  // namespace
 
 Lanes log_of_lanes(const Lanes& x) {
@@ -123,30 +164,37 @@ TensorLanes exp_of_traceless(const TensorLanes& x) {
 
 Lanes mean_ratios(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t first,
                   std::span<const Point> points, std::span<const LogMetric> log_metrics) {
-  const GatheredTets g = gather(tets, first, points, log_metrics);
-  TensorLanes x = scaled(Lanes{} + 0.25, load_lanes6(g.logs[0].data(), kLanes));
-  // The trace takes no part: it scales volume and lengths alike.
-  const Lanes third = (x.xx + x.yy + x.zz) / 3;
-  x.xx -= third, x.yy -= third, x.zz -= third;
-  const Lanes norm2 = x.xx * x.xx + x.yy * x.yy + x.zz * x.zz + 2 * (x.xy * x.xy + x.xz * x.xz + x.yz * x.yz);
-  const TensorLanes m = exp_of_traceless(x);
-  const VecLanes e1 = difference(g, 1, 0), e2 = difference(g, 2, 0), e3 = difference(g, 3, 0);
-  const Lanes sum = sum_squared_lengths(m, e1, e2, e3);
-  const Lanes volume = volumes(e1, e2, e3) / 6;
-  const Lanes magnitude = kMeanRatioFactor * cube_root(volume * volume / (sum * sum * sum));
-  Lanes ratios;
+  const MeanMetrics mean(gather(tets, first, points, log_metrics));
+  return mean.ratios([&](int i) {
+    const auto& [a, b, c, d] = lane_of(tets, first, i);
+    return mean_ratio({points[a], points[b], points[c], points[d]},
+                      {log_metrics[a], log_metrics[b], log_metrics[c], log_metrics[d]});
+  });
+}
+
+TetLanes measure_tets(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t first,
+                      std::span<const Point> points, std::span<const LogMetric> log_metrics) {
+  const MeanMetrics mean(gather(tets, first, points, log_metrics));
+  const auto [e1, e2, e3] = mean.edges;
+  const std::array<VecLanes, 6> edges = {e1, e2, e3, e2 - e1, e3 - e1, e3 - e2};
+  TetLanes result{{}, mean.volume, {}};
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    result.squared_lengths[e] = squared_lengths(mean.unscaled, edges[e]);
   for (int i = 0; i < kLanes; ++i) {
-    const bool plain = norm2[i] <= kMaxExpNorm * kMaxExpNorm && sum[i] > 1e-80 && sum[i] < 1e80;
-    if (plain) {
-      // At most 1 but for rounding, which must not show in the histograms.
-      ratios[i] = volume[i] == 0 ? 0 : std::copysign(std::min(magnitude[i], 1.0), volume[i]);
-    } else {
-      const auto& [a, b, c, d] = tets[std::min(first + static_cast<std::size_t>(i), tets.size() - 1)];
-      ratios[i] = mean_ratio({points[a], points[b], points[c], points[d]},
-                             {log_metrics[a], log_metrics[b], log_metrics[c], log_metrics[d]});
-    }
+    const double scale = std::exp(mean.third[i]);
+    for (Lanes& length : result.squared_lengths) length[i] *= scale;
+    result.volumes[i] *= scale * std::sqrt(scale);
   }
-  return ratios;
+  result.ratios = mean.ratios([&](int i) {
+    const auto& [a, b, c, d] = lane_of(tets, first, i);
+    const Metric metric =
+        exp_fast(0.25 * (log_metrics[a] + log_metrics[b] + log_metrics[c] + log_metrics[d]));
+    for (std::size_t e = 0; e < edges.size(); ++e)
+      result.squared_lengths[e][i] = squared_length(metric, {edges[e].x[i], edges[e].y[i], edges[e].z[i]});
+    return mean_ratio({points[a], points[b], points[c], points[d]},
+                      {log_metrics[a], log_metrics[b], log_metrics[c], log_metrics[d]});
+  });
+  return result;
 }
 
 void EdgeBatch::add(const Vec& edge, const Metric& a, const Metric& b) {

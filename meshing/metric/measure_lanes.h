@@ -29,6 +29,16 @@ TensorLanes exp_of_traceless(const TensorLanes& x);
 Lanes mean_ratios(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t first,
                   std::span<const Point> points, std::span<const LogMetric> log_metrics);
 
+/// Tets in the log-Euclidean mean of the metrics of each one's corners.
+struct TetLanes {
+  Lanes ratios;                          ///< mean_ratios()
+  Lanes volumes;                         ///< complexities, that is
+  std::array<Lanes, 6> squared_lengths;  ///< of the edges
+};
+/// Of the tets that mean_ratios() takes.
+TetLanes measure_tets(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t first,
+                      std::span<const Point> points, std::span<const LogMetric> log_metrics);
+
 /// Up to kLanes edges and the metrics of their ends.
 class EdgeBatch {
  public:

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/fit.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/ordered_cuts.h"
 #include "partition/decompose/slabs.h"
@@ -14,8 +15,6 @@ namespace {
 using meshing::Tet;
 
 constexpr std::uint64_t kTetsOfRun = 32;
-
-bool have_common_vertex(const Tet& a, const Tet& b) { return std::ranges::find_first_of(a, b) != a.end(); }
 
 /// The number of the tet that stands for a run.
 std::uint64_t middle_of(std::uint64_t run, const Ranges& tets) {
@@ -71,20 +70,17 @@ RunItems items_of(const Peers& peers, const Ranges& tets, const std::vector<std:
 }  // namespace
 
 bool follow_each_other(Peers& peers, std::span<const Tet> tets) {
-  constexpr double kMost = 0.8;
-  std::uint64_t pairs = 0, joined = 0;
-  const auto look_at = [&](const Tet& a, const Tet& b) { ++pairs, joined += have_common_vertex(a, b); };
-  for (std::size_t t = 1; t < tets.size(); ++t) look_at(tets[t - 1], tets[t]);
+  meshing::Followers mine = meshing::count_followers(tets);
   std::vector<Tet> ends;
   if (!tets.empty()) ends = {tets.front(), tets.back()};
   const std::vector<std::vector<Tet>> all = allgather(peers, ends);
   for (std::size_t r = static_cast<std::size_t>(peers.rank()) + 1; r < all.size() && !tets.empty(); ++r) {
     if (all[r].empty()) continue;
-    look_at(tets.back(), all[r].front());
+    mine += meshing::count_followers(std::array{tets.back(), all[r].front()});
     break;
   }
-  const std::vector<std::uint64_t> sums = partition::sum(peers, std::vector{pairs, joined});
-  return static_cast<double>(sums[1]) >= kMost * static_cast<double>(sums[0]);
+  const std::vector<std::uint64_t> sums = partition::sum(peers, std::vector{mine.all, mine.joined});
+  return meshing::Followers{sums[0], sums[1]}.in_order();
 }
 
 std::vector<SubdomainId> bisect_runs(Peers& peers, const Ranges& tets, std::span<const double> work,

@@ -1,11 +1,8 @@
-// A slice with the points that its tets have is a piece, and pieces can be measured.
+// A slice becomes a piece, and pieces can be measured.
 #include "partition/fields/measure_slices.h"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <iterator>
-#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -14,87 +11,14 @@
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/communication/vertex_numbers.h"
+#include "partition/fields/slice_piece.h"
 #include "partition/output/measure_pieces.h"
 #include "partition/slice/fetched_points.h"
-#include "partition/slice/used_numbers.h"
 
 namespace weft::partition {
 namespace {
 
-using meshing::MeshData;
 using meshing::Point;
-using meshing::Tet;
-
-/// The vertices of these tets and the slice's own points, ascending: every point of the mesh is somebody's.
-std::vector<std::uint32_t> numbers_here(const MeshSlice& slice) {
-  const std::vector<std::uint32_t> used = used_numbers(slice.tets);
-  const auto first = static_cast<std::uint32_t>(slice.first_point);
-  const auto own = std::views::iota(first, first + static_cast<std::uint32_t>(slice.points.size()));
-  std::vector<std::uint32_t> numbers;
-  numbers.reserve(used.size() + own.size());
-  std::ranges::set_union(used, own, std::back_inserter(numbers));
-  return numbers;
-}
-
-/// All ranks: who else has these points. Whoever has a point in its slice knows who asks for it; most are
-/// asked for by one rank alone.
-std::vector<SubdomainStart::Shared> others_of(Peers& peers, const MeshSlice& slice, const Ranges& points,
-                                              const std::vector<std::uint32_t>& numbers) {
-  struct Holder {
-    std::uint32_t number, rank;
-    auto operator<=>(const Holder&) const = default;
-  };
-  const auto asked = sent_to_owners(peers, points, numbers);
-  std::vector<std::uint8_t> users(slice.points.size(), 0);
-  const auto users_of = [&](std::uint32_t number) -> std::uint8_t& {
-    return users[number - slice.first_point];
-  };
-  for (const auto& of_rank : asked)
-    for (const std::uint32_t number : of_rank)
-      if (std::uint8_t& known = users_of(number); known < 2) ++known;
-  std::vector<Holder> holders;
-  const auto for_each_shared = [&](const auto& f) {
-    for (std::uint32_t r = 0; r < asked.size(); ++r)
-      for (const std::uint32_t number : asked[r])
-        if (users_of(number) > 1) f(Holder{number, r});
-  };
-  for_each_shared([&](const Holder& holder) { holders.push_back(holder); });
-  std::ranges::sort(holders);
-  std::vector<std::vector<Holder>> answers(asked.size());
-  for_each_shared([&](const Holder& asking) {
-    for (const Holder& holder : std::ranges::equal_range(holders, asking.number, {}, &Holder::number))
-      if (holder.rank != asking.rank) answers[asking.rank].push_back(holder);
-  });
-  PlacesOfNumbers places(numbers);
-  std::vector<SubdomainStart::Shared> shared;
-  for (const auto& of_rank : partition::all_to_all(peers, std::move(answers)))
-    for (const Holder& holder : of_rank) shared.push_back({places(holder.number), SubdomainId(holder.rank)});
-  std::ranges::sort(shared);
-  return shared;
-}
-
-/// All ranks: the slice as a piece without triangles. No metric: that of the unit tensor.
-MeshPiece piece_of(Peers& peers, const MeshSlice& slice, bool with_metric) {
-  const Ranges points(peers, slice.points.size());
-  const std::vector<std::uint32_t> numbers = numbers_here(slice);
-  MeshPiece piece;
-  piece.subdomain = SubdomainId(static_cast<std::uint32_t>(peers.rank()));
-  piece.mesh.points = fetch<Point>(peers, points, numbers, [&](std::size_t i) { return slice.points[i]; });
-  piece.mesh.point_refs.resize(numbers.size());
-  piece.log_metrics.resize(numbers.size());
-  if (with_metric)
-    piece.log_metrics = fetch<meshing::LogMetric>(peers, points, numbers,
-                                                  [&](std::size_t i) { return slice.log_metrics[i]; });
-  piece.ids.reserve(numbers.size());
-  for (const std::uint32_t number : numbers) piece.ids.emplace_back(SubdomainId(0), number);
-  piece.shared = others_of(peers, slice, points, numbers);
-  PlacesOfNumbers places(numbers);
-  piece.mesh.tets.reserve(slice.tets.size());
-  for (const Tet& tet : slice.tets) piece.mesh.tets.push_back(places(tet));
-  piece.mesh.tet_refs = slice.tet_refs;
-  return piece;
-}
 
 /// All ranks: the metric of a piece such that the complexity of all becomes `target`.
 void scale_together(Peers& peers, double target, MeshPiece& piece) {
@@ -132,7 +56,7 @@ std::map<std::int32_t, double> areas(Peers& peers, const MeshSlice& slice) {
 }  // namespace
 
 meshing::Measures measure_slices(Peers& peers, const MeshSlice& slice, double target_complexity) {
-  MeshPiece piece = piece_of(peers, slice, true);
+  MeshPiece piece = piece_of_slice(peers, slice).piece;
   if (target_complexity > 0) scale_together(peers, target_complexity, piece);
   meshing::Measures measures = measure_pieces(peers, {&piece, 1});
   measures.num_triangles = slice.num_triangles;
@@ -140,7 +64,7 @@ meshing::Measures measure_slices(Peers& peers, const MeshSlice& slice, double ta
 }
 
 double complexity_of_slices(Peers& peers, const MeshSlice& slice) {
-  const MeshPiece piece = piece_of(peers, slice, true);
+  const MeshPiece piece = piece_of_slice(peers, slice).piece;
   const double here = meshing::complexity(piece.mesh, piece.log_metrics);
   return ordered_sum(peers, {&here, 1});
 }
@@ -152,7 +76,7 @@ SlicesGeometry measure_geometry_of_slices(Peers& peers, const MeshSlice& slice) 
   geometry.box = common_box(peers, mine);
   geometry.area_by_ref = areas(peers, slice);
   if (slice.num_tets == 0) return geometry;
-  const MeshPiece piece = piece_of(peers, slice, false);
+  const MeshPiece piece = piece_of_slice(peers, slice, SliceMetric::missing).piece;
   const meshing::Measures m = measure_pieces(peers, {&piece, 1});
   const double here =
       piece.mesh.tets.empty() ? 180 : meshing::measure_shape(piece.mesh).least_dihedral_degrees;

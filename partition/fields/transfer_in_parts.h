@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 
 #include "meshing/fields/transfer.h"
@@ -20,5 +21,11 @@ meshing::Transfer transfer_in_parts(Peers& peers, const MeshSlice& from, const m
                                     const MeshSlice& to, meshing::TransferMethod method,
                                     const std::atomic<bool>* interrupt = nullptr,
                                     const std::function<void()>& slices_are_read = {});
+
+/// All ranks: meshing::keep_fields() of fields at the points of these slices, at the points of other slices
+/// of the same mesh, of which this rank has `points`.
+meshing::Transfer keep_fields_in_parts(Peers& peers, const MeshSlice& slice,
+                                       const meshing::SolutionData& fields, std::uint64_t points,
+                                       meshing::TransferMethod method);
 
 }  // namespace weft::partition

@@ -11,6 +11,7 @@ namespace weft::partition {
 namespace {
 
 std::vector<std::uint8_t> owned_points(const MeshPiece& piece) {
+  if (!piece.own_points.empty()) return piece.own_points;
   std::vector<std::uint8_t> owned(piece.mesh.points.size(), 1);
   for (const auto& [vertex, other] : piece.shared) {
     if (other < piece.subdomain) owned[vertex] = 0;
@@ -101,6 +102,15 @@ std::vector<std::array<std::uint32_t, 1>> as_entities(const std::vector<std::uin
   return entities;
 }
 
+/// Lists of points go with the points.
+void keep_given(const MeshPiece& piece, PieceShare& share) {
+  share.edges = piece.own_edges;
+  for (std::size_t i = 0; i < share.corners.size(); ++i)
+    share.corners[i] = piece.own_points[piece.mesh.corners[i]];
+  for (std::size_t i = 0; i < share.required_points.size(); ++i)
+    share.required_points[i] = piece.own_points[piece.mesh.required_points[i]];
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> shared_flags(const MeshPiece& piece) {
@@ -130,6 +140,8 @@ std::vector<PieceShare> shares_of(Peers& peers, std::span<const MeshPiece> mine)
   corners.decide(peers);
   required_points.decide(peers);
   on_model.decide(peers);
+  for (std::size_t p = 0; p < mine.size(); ++p)
+    if (!mine[p].own_points.empty()) keep_given(mine[p], shares[p]);
   return shares;
 }
 

@@ -11,9 +11,9 @@
 namespace weft::partition {
 
 /// Flags of one entry an entity of a piece (corners and required_points: of the piece's list): 1 where the
-/// piece has the entity and no piece of a lower subdomain has it too. Over all pieces every entity of the
-/// whole mesh has exactly one. Tets need no flags; ridges, required edges and triangles go with the edges and
-/// triangles.
+/// piece has the entity and no piece of a lower subdomain has it too, or as MeshPiece::own_points says. Over
+/// all pieces every entity of the whole mesh has exactly one. Tets need no flags; ridges, required edges and
+/// triangles go with the edges and triangles.
 struct PieceShare {
   std::vector<std::uint8_t> points;
   std::vector<std::uint8_t> triangles;

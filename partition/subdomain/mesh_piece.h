@@ -1,6 +1,7 @@
 // The result of one subdomain: a part of the mesh as plain arrays.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "meshing/mesh/mesh_data.h"
@@ -18,6 +19,9 @@ struct MeshPiece {
   meshing::LogMetricField log_metrics;
   std::vector<GlobalId> ids;                   ///< of mesh.points
   std::vector<SubdomainStart::Shared> shared;  ///< vertices that other pieces have too, sorted
+  /// 1 for the points and the edges that this piece writes, of a mesh that keeps the order that it came in.
+  /// Empty, in all pieces: the lowest one that has them does.
+  std::vector<std::uint8_t> own_points = {}, own_edges = {};
 };
 
 }  // namespace weft::partition

@@ -8,8 +8,11 @@
 
 namespace weft::partition {
 
-/// All ranks: that the pieces together conform, by meshing::sum_faces() with global ids: one reduction of
-/// three numbers. Throws InvariantViolation, on all ranks, that names what check_pieces() finds.
+/// All ranks: whether the pieces together conform, by meshing::sum_faces() with global ids: one reduction of
+/// three numbers.
+bool conforms(Peers& peers, std::span<const MeshPiece> mine);
+/// All ranks: throws InvariantViolation, on all ranks, that names what check_pieces() finds, where they do
+/// not.
 void check_result(Peers& peers, std::span<const MeshPiece> mine);
 
 }  // namespace weft::partition

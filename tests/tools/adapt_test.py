@@ -6,11 +6,11 @@ import subprocess
 import time
 import unittest
 
-from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, WEFT, CommandTest, mesh_text, solution_text
+from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, WEFT, CommandTest, mesh_text, solution_text, without_first_triangle
 
 REPORT_KEYS = {
     "schema", "version", "arguments", "input", "output", "target_complexity", "asked_complexity", "predicted", "goal_met", "goals_missed",
-    "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "checkpoints", "subdomains", "fields", "surface_deviation", "surface_limit", "surface_demands", "hausd", "model",
+    "left_as_is", "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "checkpoints", "subdomains", "fields", "surface_deviation", "surface_limit", "surface_demands", "hausd", "model",
     "seconds", "measure_input_seconds", "peak_memory_bytes", "threads", "warnings",
 }
 
@@ -145,12 +145,45 @@ class Adapt(CommandTest):
         self.assertIn("GOAL NOT MET", done.stdout)
         self.weft("verify", "out.meshb", "--against", "box.meshb")
 
-    def test_a_finished_mesh_stays_nearly_as_it_is(self):
-        self.adapt(self.box(), "--metric-fn", "uniform:0.1")
-        first = self.measures()
-        self.weft("adapt", "out.meshb", "--metric", "out.solb", "-o", "again.meshb")
-        again = self.measures("again.meshb", "again.solb")
-        self.assertAlmostEqual(again["tets"] / first["tets"], 1, delta=0.05)
+    def finished(self):
+        """A mesh that fits its metric, of some 20,000 tets; a field at its vertices."""
+        self.adapt(self.box(), "--metric-fn", "uniform:0.08", "--threads", 1)
+        self.weft("metric", "out.meshb", "--metric-fn", "polar-2", "-o", "field.solb")
+        return self.measures()
+
+    def adapt_again(self, *words, mesh="out.meshb"):
+        done = self.weft("adapt", mesh, "--metric", "out.solb", "-o", "again.meshb", "--report", "r", *words)
+        return done, json.loads((self.folder / "r/report.json").read_text())
+
+    def test_a_finished_mesh_is_left_as_it_is(self):
+        first = self.finished()
+        self.assertGreater(first["tets"], 16384)
+        for transfer in ("linear", "conservative"):
+            done, report = self.adapt_again("--field", "field.solb", "--transfer", transfer)
+            self.assertIn("the mesh fits its metric: left as it is", done.stdout)
+            for old, new in (("out.meshb", "again.meshb"), ("out.solb", "again.solb"), ("field.solb", "again-fields.solb")):
+                self.assertEqual((self.folder / old).read_bytes(), (self.folder / new).read_bytes(), new)
+            self.assertEqual(report["before"], report["after"])
+            self.assertEqual(report["after"]["tets"], first["tets"])
+            self.assertLess(report["left_as_is"]["share_long"], 0.01)
+            self.assertEqual({c["back_difference_max"] for c in report["fields"]["components"]}, {0})
+            self.assertIn("was left as it is", (self.folder / "r/report.html").read_text())
+
+    def test_a_nearly_finished_mesh_is_adapted(self):
+        first = self.finished()
+        done, report = self.adapt_again("--complexity", 1.2 * first["complexity"])
+        self.assertIsNone(report["left_as_is"])
+        self.assertNotIn("left as it is", done.stdout)
+        self.assertGreater(report["after"]["tets"], first["tets"])
+        self.assertGreater(report["operations"]["split"]["done"], 0)
+
+    def test_a_finished_mesh_whose_boundary_lacks_a_triangle_is_completed(self):
+        self.finished()
+        self.weft("convert", "out.meshb", "out.mesh")
+        self.write("less.mesh", without_first_triangle((self.folder / "out.mesh").read_text()))
+        done, report = self.adapt_again(mesh="less.mesh")
+        self.assertIn("boundary or interface triangles were missing", done.stdout)
+        self.assertIsNone(report["left_as_is"])
 
     def test_missing_boundary_triangles_are_made_with_a_warning(self):
         self.write("a.mesh", mesh_text(ONE_TET_POINTS, [(1, 2, 3, 4)], ONE_TET_FACES[:3]))

@@ -58,6 +58,13 @@ def mesh_text(points, tets, triangles=(), edges=()):
             section("Triangles", triangles) + section("Edges", edges) + "End\n")
 
 
+def without_first_triangle(text):
+    """The text of a .mesh file less one triangle."""
+    before, triangles, rest = text.partition("\nTriangles\n")
+    count, _, others = rest.split("\n", 2)
+    return f"{before}{triangles}{int(count) - 1}\n{others}"
+
+
 def solution_text(rows, kind=3):
     """A .sol file with one field: kind 1 scalar, 2 vector, 3 symmetric tensor."""
     lines = "".join(" ".join(map(str, row)) + "\n" for row in rows)

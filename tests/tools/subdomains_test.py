@@ -6,7 +6,7 @@ import signal
 import subprocess
 import unittest
 
-from command import WEFT, solution_text
+from command import WEFT, solution_text, without_first_triangle
 from on_ranks import LONG, MPIRUN, SECONDS, Subdomains, some_of
 
 SUBDOMAIN_KEYS = {
@@ -71,6 +71,31 @@ class Results(Subdomains):
                                       ("--metric-fn", "uniform:0.3", "--wall", "1,3", "--wall-height", 0.1, "--hgrad", 1.8))):
             done = self.assert_same_on_all("box.meshb", *words, "--subdomains", 4, ranks=some_of((2, 3), turn), expect=(0, 1))
             self.assert_in_shares(False, done)
+
+    def test_a_finished_mesh_is_left_as_it_is(self):
+        self.weft("adapt", self.box(2), "--metric-fn", "uniform:0.08", "--subdomains", 3, "--threads", 1, "-o", "in.meshb")
+        self.weft("metric", "in.meshb", "--metric-fn", "polar-2", "-o", "field.solb")
+        words = ("in.meshb", "--metric", "in.solb", "--subdomains", 7, "-o", "out.meshb", "--field", "field.solb")
+        more = ("--report", "r", "--graph", "g.json", "--trace", "t.json", "--check")
+        for turn, ranks in enumerate((0, 2, 3)):
+            done = self.run_on(ranks, *words, *(more if turn < 2 else ()))
+            self.assertIn("the mesh fits its metric: left as it is", done.stdout)
+            self.assertEqual(self.bytes_of("out.meshb", "out.solb", "out-fields.solb"), self.bytes_of("in.meshb", "in.solb", "field.solb"))
+        report = json.loads((self.folder / "r/report.json").read_text())
+        self.assertEqual(report["before"], report["after"])
+        self.assertEqual(report["subdomains"]["subdomains"], 7)
+        self.assertEqual(json.loads((self.folder / "g.json").read_text())["runs"]["node"], [])
+        self.run_on(2, *words[:-4], "-o", "out.pvtu")
+        self.weft("verify", "out.pvtu", "--against", "in.meshb")
+
+    def test_a_mesh_that_does_not_quite_fit_is_adapted(self):
+        self.weft("adapt", self.box(2), "--metric-fn", "uniform:0.08", "--subdomains", 3, "--threads", 1, "-o", "in.meshb")
+        self.weft("convert", "in.meshb", "in.mesh")
+        self.write("less.mesh", without_first_triangle((self.folder / "in.mesh").read_text()))
+        for mesh, options in (("less.mesh", ()), ("in.meshb", ("--complexity", 2200))):
+            done = self.run_on(2, mesh, "--metric", "in.solb", *options, "--subdomains", 3, "-o", "out.meshb")
+            self.assertNotIn("left as it is", done.stdout)
+            self.weft("verify", "out.meshb")
 
     def test_it_is_told_where_rank_0_reads_the_whole_mesh(self):
         self.weft("convert", self.box(4), "box.pvtu")

@@ -271,6 +271,13 @@ struct Measures {
   Histogram length_log{-1.5, 1.5, true, std::vector<std::uint64_t>(60), 0, 0};
 };
 
+/// How a mesh fits its metric where it was left as it is. Edges are counted as tets have them, six each.
+struct MetricFit {
+  double edges_long = 0, edges_short = 0;  ///< shares: longer than sqrt 2, shorter than 1/sqrt 2
+  double quality_mean = 0;                 ///< mean ratio
+  double tets_of_complexity = 0;           ///< for a unit of the metric's complexity
+};
+
 /// Shapes of the tets as they are, without a metric.
 struct ShapeMeasures {
   double quality_mean = 0, quality_min = 0, quality_q01 = 0;  ///< mean ratio; q01: 1 % quantile
@@ -461,6 +468,7 @@ using meshing::WallOptions;
 using meshing::CheckReport;
 using meshing::Histogram;
 using meshing::Measures;
+using meshing::MetricFit;
 using meshing::ShapeMeasures;
 using meshing::SurfaceDemand;
 using meshing::SurfaceLimit;

@@ -111,6 +111,35 @@ TEST(Transfer, ToTheSameMeshChangesNothing) {
   }
 }
 
+TEST(Transfer, FieldsThatStayHaveTheAccountOfATransferToTheSameMesh) {
+  const MeshData mesh = jittered(4, 5);
+  SolutionData fields = linear_fields(mesh);
+  for (double& value : fields.fields[0].values) value = std::sin(30 * value);
+  fields.fields.push_back({Field::Kind::tensor, {}, "m"});
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    for (const double entry : {2.0, 0.1, 1.0, 0.2, 0.0, 3.0}) fields.fields[3].values.push_back(entry);
+  for (const TransferMethod method : kBoth) {
+    const Transfer kept = keep_fields(WholeDomain(mesh), fields, method);
+    const Transfer carried = transfer(mesh, fields, mesh, method);
+    EXPECT_EQ(kept.method, method);
+    ASSERT_EQ(kept.accounts.size(), carried.accounts.size());
+    for (std::size_t f = 0; f < fields.fields.size(); ++f)
+      EXPECT_EQ(kept.fields.fields[f].values, fields.fields[f].values);
+    for (std::size_t c = 0; c < kept.accounts.size(); ++c) {
+      const ComponentAccount &a = kept.accounts[c], &b = carried.accounts[c];
+      EXPECT_EQ(a.name, b.name);
+      EXPECT_EQ(a.integral_before, b.integral_before);
+      EXPECT_EQ(a.integral_after, a.integral_before);
+      EXPECT_EQ(a.absolute, b.absolute);
+      EXPECT_EQ(a.norm_l2, b.norm_l2);
+      EXPECT_EQ(a.norm_max, b.norm_max);
+      EXPECT_EQ(a.difference_max, 0);
+      EXPECT_EQ(a.difference_l2, 0);
+      EXPECT_EQ(a.stays_definite, b.stays_definite);
+    }
+  }
+}
+
 /// A metric that jumps from 1:1 to 1:100 within a cell, its axes turning.
 SolutionData layer_metric(const MeshData& mesh) {
   SolutionData solution{mesh.points.size(), {{Field::Kind::scalar, {}, "u"}, {Field::Kind::tensor, {}, "m"}}};

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -98,6 +99,40 @@ TEST(MeasureLanes, LengthsAreThoseOfSingleEdges) {
   for (int i = 0; i < kLanes; ++i)
     EXPECT_NEAR(lengths[i], expected[static_cast<std::size_t>(i)],
                 1e-12 * expected[static_cast<std::size_t>(i)]);
+}
+
+/// Strongly anisotropic ones too.
+TEST(MeasureLanes, TetsAreMeasuredInTheirMeanMetrics) {
+  std::mt19937 random(5);
+  for (const double scale : {0.0, 1.0, 3.0, 10.0}) {
+    std::vector<Point> points;
+    std::vector<LogMetric> logs;
+    for (int i = 0; i < 22; ++i)
+      points.push_back(random_point(random)), logs.push_back(random_tensor(random, scale));
+    std::vector<std::array<std::uint32_t, 4>> tets;
+    for (std::uint32_t i = 0; i < 19; ++i) tets.push_back({i, i + 1, i + 2, i + 3});
+    for (std::size_t first = 0; first < tets.size(); first += kLanes) {
+      const TetLanes lanes = measure_tets(tets, first, points, logs);
+      const Lanes ratios = mean_ratios(tets, first, points, logs);
+      for (std::size_t t = first; t < std::min(tets.size(), first + kLanes); ++t) {
+        const auto lane = static_cast<int>(t - first);
+        const auto& [a, b, c, d] = tets[t];
+        const Metric mean = exp_fast(0.25 * (logs[a] + logs[b] + logs[c] + logs[d]));
+        EXPECT_EQ(lanes.ratios[lane], ratios[lane]);
+        const double volume = six_volume(points[a], points[b], points[c], points[d]) / 6 *
+                              std::exp(0.125 * trace(logs[a] + logs[b] + logs[c] + logs[d]));
+        EXPECT_NEAR(lanes.volumes[lane], volume, 1e-9 * std::abs(volume));
+        std::array<double, 6> lengths,
+            expected = {
+                squared_length(mean, points[b] - points[a]), squared_length(mean, points[c] - points[a]),
+                squared_length(mean, points[d] - points[a]), squared_length(mean, points[c] - points[b]),
+                squared_length(mean, points[d] - points[b]), squared_length(mean, points[d] - points[c])};
+        for (std::size_t e = 0; e < 6; ++e) lengths[e] = lanes.squared_lengths[e][lane];
+        const double largest = *std::ranges::max_element(expected);
+        for (std::size_t e = 0; e < 6; ++e) EXPECT_NEAR(lengths[e], expected[e], 1e-7 * largest) << scale;
+      }
+    }
+  }
 }
 
 }  // namespace

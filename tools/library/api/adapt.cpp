@@ -70,8 +70,11 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
   });
   result.output_counts = tools::count(result.mesh);
   if (!input.fields.fields.empty()) {
-    Transfer carried = meshing::transfer(input.mesh, input.fields, result.mesh, options.transfer,
-                                         waited ? &waited : &monitor.caller_waits());
+    Transfer carried =
+        result.left_as_is
+            ? meshing::keep_fields(meshing::WholeDomain(input.mesh), input.fields, options.transfer)
+            : meshing::transfer(input.mesh, input.fields, result.mesh, options.transfer,
+                                waited ? &waited : &monitor.caller_waits());
     tools::account_for_transfer(carried, options.transfer, "", result);
     result.fields = std::move(carried.fields);
   }

@@ -86,7 +86,7 @@ void carry_fields(tools::DistributedRun& run, partition::MeshSlice&& old, const 
     return;
   }
   partition::MeshSlice slice = partition::slice_of_pieces(run.peers(), run.pieces(), numbering);
-  Transfer transfer = run.carry(std::move(old), fields, slice);
+  Transfer transfer = run.carry(std::move(old), fields, slice, result.left_as_is.has_value());
   result.part.fields = tools::fields_at(run.peers(), slice, transfer.fields, result.part.ids);
   tools::account_for_transfer(transfer, method, "", result);
 }

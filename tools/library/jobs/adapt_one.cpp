@@ -9,9 +9,14 @@
 #include <vector>
 
 #include "meshing/adapt/adapt.h"
+#include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/base/release.h"
 #include "meshing/fields/transfer.h"
+#include "meshing/kernel/complete.h"
+#include "meshing/kernel/import_mesh.h"
+#include "meshing/metric/expectations.h"
+#include "meshing/metric/fit.h"
 #include "meshing/metric/measure_again.h"
 #include "meshing/metric/measures.h"
 #include "tools/common/naming.h"
@@ -118,6 +123,7 @@ class OneMesh {
       monitor_.update(stage, work_->at_adaptation(done), tets);
     };
     prepare_checkpoints(kernel);
+    if (!kernel.resume && leave_as_is()) return account_for_checkpoints();
     meshing::AdaptResult adapted = naming(input_.name, [&] {
       return meshing::adapt(input_.mesh, {&background(), &field_}, kernel);
     });
@@ -140,6 +146,27 @@ class OneMesh {
     result_.output_counts = count(result_.mesh);
     work_->adapted(static_cast<double>(result_.output_counts.tets));
     result_.times.adapt = watch_.lap();
+  }
+
+  /// Where the mesh fits its metric and is complete: it is the result then, and no other check would find
+  /// more in it.
+  bool leave_as_is() {
+    if (input_.background || !may_stay(options_.geometry)) return false;
+    naming(input_.name, [&] { meshing::check_arrays(input_.mesh); });
+    if (field_.size() != input_.mesh.points.size()) return false;
+    result_.left_as_is = meshing::fit_of(input_.mesh, field_);
+    if (result_.left_as_is && !meshing::is_complete(input_.mesh)) result_.left_as_is.reset();
+    if (!result_.left_as_is) return false;
+    result_.mesh = input_.mesh;
+    result_.mesh.association = {};
+    result_.metric = Metric::from_logarithms(std::move(field_));
+    result_.hausd = options_.geometry.hausd > 0
+                        ? options_.geometry.hausd
+                        : meshing::kHausdOfDiagonal * norm(meshing::box_of(input_.mesh.points).size());
+    result_.output_counts = count(result_.mesh);
+    work_->adapted(static_cast<double>(result_.output_counts.tets));
+    result_.times.adapt = watch_.lap();
+    return true;
   }
 
   void prepare_checkpoints(meshing::AdaptOptions& kernel) {
@@ -194,6 +221,7 @@ class OneMesh {
 
   /// Of a mesh in which little has changed, what has.
   Measures measures_of_result() const {
+    if (result_.left_as_is && result_.before) return *result_.before;
     const meshing::MetricMeshView result{result_.mesh, result_.metric.logarithms()};
     std::optional<Measures> known;
     if (measured_ && !origins_.empty()) known = measured_->of_result({input_.mesh, field_}, result, origins_);
@@ -204,6 +232,8 @@ class OneMesh {
     monitor_.update("fields", work_->at_fields(), result_.output_counts.tets);
     watch_.lap();
     Transfer carried = naming(input_.name, [&] {
+      if (result_.left_as_is)
+        return meshing::keep_fields(meshing::WholeDomain(input_.mesh), input_.fields, options_.transfer);
       return meshing::transfer(input_.mesh, input_.fields, result_.mesh, options_.transfer,
                                &monitor_.caller_waits());
     });
@@ -227,6 +257,10 @@ class OneMesh {
 };
 
 }  // namespace
+
+bool may_stay(const GeometryOptions& geometry) {
+  return geometry.model.empty() && (geometry.limit_metric || !(geometry.hausd > 0));
+}
 
 namespace {
 

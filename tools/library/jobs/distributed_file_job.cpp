@@ -68,8 +68,11 @@ class DistributedFileJob {
     SliceInput input = read();
     const double target = input.target_complexity;
     keep_for_fields(input);
+    const auto measure_input = [&](const partition::MeshSlice& slice) {
+      if (!input.background) measure_before(slice, target);
+    };
     run_.adapt(std::move(input.slice), target, files_.input, account_,
-               input.background ? &*input.background : nullptr);
+               input.background ? &*input.background : nullptr, measure_input);
     watch_.lap();
     run_.on_threads([&] {
       if (!files_.fields.empty()) carry_fields();
@@ -142,16 +145,14 @@ class DistributedFileJob {
     account_.input_counts = {input.slice.num_points, input.slice.num_tets, input.slice.num_triangles,
                              input.slice.num_edges};
     account_.times.read = watch_.lap();
-    measure_before(input);
-    account_.times.measure = account_.times.measure_input = watch_.lap();
     return input;
   }
 
-  /// Nothing where the metric is another mesh's.
-  void measure_before(const SliceInput& input) {
-    if (input.background || !is_measured()) return;
-    account_.before = run_.on_threads(
-        [&] { return partition::measure_slices(run_.peers(), input.slice, input.target_complexity); });
+  void measure_before(const partition::MeshSlice& slice, double target_complexity) {
+    if (!is_measured()) return;
+    watch_.lap();
+    account_.before = partition::measure_slices(run_.peers(), slice, target_complexity);
+    account_.times.measure = account_.times.measure_input = watch_.lap();
   }
 
   /// The account is of measures.
@@ -179,8 +180,9 @@ class DistributedFileJob {
       return;
     }
     partition::MeshSlice slice = partition::slice_of_pieces(run_.peers(), run_.pieces(), numbering);
-    meshing::Transfer result =
-        naming(files_.input, [&] { return run_.carry(std::move(old_), fields_, slice); });
+    meshing::Transfer result = naming(files_.input, [&] {
+      return run_.carry(std::move(old_), fields_, slice, account_.left_as_is.has_value());
+    });
     account_for_transfer(result, options_.transfer, files_.input, account_);
     fields_ = std::move(result.fields);
     piece_fields_ = partition::fields_of_pieces(run_.peers(), slice, numbering, fields_);

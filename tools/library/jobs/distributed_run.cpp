@@ -15,17 +15,22 @@
 #include "meshing/base/error.h"
 #include "meshing/base/freed_memory.h"
 #include "meshing/base/release.h"
+#include "meshing/metric/expectations.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/partitioner.h"
 #include "partition/fields/transfer_in_parts.h"
+#include "partition/fit/as_given.h"
 #include "partition/output/measure_pieces.h"
 #include "partition/output/sum_on_model.h"
+#include "partition/verify/check_pieces.h"
 #include "partition/verify/check_result.h"
+#include "partition/verify/check_subdomains.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/adapt_one.h"
 #include "tools/library/jobs/distributed_stats.h"
 #include "tools/library/jobs/resources/memory.h"
+#include "tools/library/jobs/resources/stopwatch.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/report/run_progress_text.h"
@@ -250,8 +255,35 @@ std::shared_ptr<const meshing::Model> DistributedRun::read_model(const meshing::
   return model_;
 }
 
+bool DistributedRun::leave_as_is(const partition::MeshSlice& slice,
+                                 const graph::adaptation::DistributedOptions& method, Report& report) {
+  if (method.background || !method.resume.empty() || !may_stay(options_.geometry)) return false;
+  Stopwatch watch;
+  std::optional<partition::AsGiven> given =
+      partition::as_given(*peers_, slice, method.decomposition.target_complexity);
+  if (!given) return false;
+  report.left_as_is = given->fit;
+  report.predicted = predict_size(given->complexity, report.input_counts.vertices, report.input_counts.tets);
+  rank_.plan.subdomains = method.decomposition.num_subdomains;
+  rank_.plan.first_object = graph::adaptation::EnginePeers::kObjects + 1;
+  rank_.plan.home_ranks = peers_->ranks();
+  rank_.plan.shift = method.shift;
+  rank_.plan.expected_complexity = given->complexity;
+  rank_.plan.hausd = method.hausd > 0 ? method.hausd : meshing::kHausdOfDiagonal * norm(given->box.size());
+  result_.was_interface.emplace_back(given->piece.mesh.points.size(), 0);
+  result_.pieces.push_back(std::move(given->piece));
+  if (method.check) {
+    partition::throw_if_violated(partition::check_pieces(*peers_, result_.pieces), "in the result");
+    result_.checks = 1;
+  }
+  before_loop_ = after_loop_ = runtime_->summary();
+  result_.adaptation_seconds = watch.lap();
+  return true;
+}
+
 void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name,
-                           Report& report, partition::MeshSlice* background) {
+                           Report& report, partition::MeshSlice* background,
+                           const std::function<void(const partition::MeshSlice&)>& measure_input) {
   report.threads = threads_;
   if (first()) {
     const std::vector<std::string> of_model = model_warnings(model_.get());
@@ -260,15 +292,23 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
     if (!folder.empty() && resume_.empty()) report.warnings.push_back(begun_anew(folder));
   }
   monitor_.update("decomposition", 0, report.input_counts.tets);
-  result_ = naming(name, [&] {
+  naming(name, [&] {
     graph::adaptation::DistributedOptions method = method_options(target_complexity);
     method.background = background;
     method.on_plan = [&] { check_room("", report); };
-    return on_threads([&] { return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method); });
+    on_threads([&] {
+      if (leave_as_is(slice, method, report)) {
+        slice = {};
+      } else {
+        if (measure_input) measure_input(slice);
+        result_ = adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method);
+      }
+    });
   });
   give_back_freed_memory();  // of messages and subdomains
   table_.reset();
-  if (options_.run.verify) on_threads([&] { partition::check_result(*peers_, result_.pieces); });
+  if (options_.run.verify && !report.left_as_is)
+    on_threads([&] { partition::check_result(*peers_, result_.pieces); });
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());
   report.complexity_asked = options_.metric.complexity > 0;
   report.target_complexity =
@@ -361,6 +401,7 @@ void DistributedRun::measure(Report& report) {
                                      numbering_ ? &*numbering_ : nullptr);
   });
   report.after = measures.whole;
+  if (report.left_as_is) report.before = report.after;
   stats_->former_interface = measures.part;
   report.output_counts = {report.after->num_vertices, report.after->num_tets, report.after->num_triangles, 0};
   report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by, report.model.get());
@@ -371,7 +412,9 @@ void DistributedRun::give_back_freed_memory() const {
 }
 
 meshing::Transfer DistributedRun::carry(partition::MeshSlice&& from, const meshing::SolutionData& fields,
-                                        partition::MeshSlice& to) {
+                                        partition::MeshSlice& to, bool same_mesh) {
+  if (same_mesh)
+    return partition::keep_fields_in_parts(*peers_, from, fields, to.points.size(), options_.transfer);
   const auto slices_are_read = [&] {
     from = {};
     meshing::release(to.tets);

@@ -1,6 +1,7 @@
 // A run in subdomains on one rank or many: the engine, the method, and what is gathered of it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,13 +63,16 @@ class DistributedRun {
   std::shared_ptr<const meshing::Model> read_model(const meshing::MeshData& mesh, const std::string& name);
   /// Adapts the mesh of the slices, which errors call `name`; fills pieces and `report`. `background`: slices
   /// of another mesh that has the metric, with which nothing is to be done any more; null: the mesh has it.
+  /// `measure_input`: called with the slice, unless the mesh is left as it is.
   void adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name, Report& report,
-             partition::MeshSlice* background = nullptr);
-  /// Carries fields at the points of the slices of `from` to those of `to`, which are the result's. Gives the
-  /// memory of `from` and of the tets of `to` back.
+             partition::MeshSlice* background = nullptr,
+             const std::function<void(const partition::MeshSlice&)>& measure_input = {});
+  /// Carries fields at the points of the slices of `from` to those of `to`, which are the result's: of the
+  /// same mesh where it was left as it is. May give the memory of `from` and of the tets of `to` back.
   meshing::Transfer carry(partition::MeshSlice&& from, const meshing::SolutionData& fields,
-                          partition::MeshSlice& to);
-  /// Fills the measures of the result, and what they say of the goal.
+                          partition::MeshSlice& to, bool same_mesh);
+  /// Fills the measures of the result, and what they say of the goal. Those of the input too, where they are
+  /// the same.
   void measure(Report& report);
   /// Fills the numbers of its entities alone.
   void count(Report& report);
@@ -84,6 +88,9 @@ class DistributedRun {
   void gather_machines();
 
  private:
+  /// All ranks: whether the mesh of the slices is the result as it is, which is filled then.
+  bool leave_as_is(const partition::MeshSlice& slice, const graph::adaptation::DistributedOptions& method,
+                   Report& report);
   /// What has been freed goes back to the system, unless other ranks are in this process.
   void give_back_freed_memory() const;
   engine::Bulletins bulletins();

@@ -17,7 +17,7 @@ void pack(Archive& archive, MeshPiece& p) {
   meshing::MeshData& m = p.mesh;
   archive(p.subdomain, m.points, m.point_refs, m.tets, m.tet_refs, m.triangles, m.triangle_refs, m.edges,
           m.edge_refs, m.corners, m.required_points, m.ridges, m.required_edges, m.required_triangles,
-          p.log_metrics, p.ids, p.shared);
+          p.log_metrics, p.ids, p.shared, p.own_points, p.own_edges);
 }
 
 }  // namespace

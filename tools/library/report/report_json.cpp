@@ -135,6 +135,13 @@ Json json_of(const DistributedStats& a) {
           {"engine", engine::json_of(*a.engine)}};
 }
 
+Json json_of(const MetricFit& fit) {
+  return {{"share_long", fit.edges_long},
+          {"share_short", fit.edges_short},
+          {"quality_mean", fit.quality_mean},
+          {"tets_of_complexity", fit.tets_of_complexity}};
+}
+
 Json json_of(const std::vector<Mend>& mends) {
   Json all = Json::array();
   for (const Mend& m : mends)
@@ -209,6 +216,7 @@ Json json_of(const RunResult& run) {
        {{"vertices", run.predicted.vertices}, {"tets", run.predicted.tets}, {"bytes", run.predicted.bytes}}},
       {"goal_met", run.goal_met()},
       {"goals_missed", run.missed},
+      {"left_as_is", run.left_as_is ? json_of(*run.left_as_is) : Json(nullptr)},
       {"interrupted", run.cancelled},
       {"ended_by", run.ended_by},
       {"mends", json_of(run.mends)},

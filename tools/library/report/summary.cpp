@@ -36,6 +36,15 @@ std::string verdict_line(const Report& run) {
   return text;
 }
 
+/// Edges by tets, so that the shares differ a little from those of the table.
+std::string left_text(const Report& run) {
+  if (!run.left_as_is) return "";
+  const MetricFit& fit = *run.left_as_is;
+  return fmt::format(
+      "the mesh fits its metric: left as it is ({} of the edges of its tets are too short, {} too long)\n",
+      percent(fit.edges_short, 2), percent(fit.edges_long, 2));
+}
+
 std::string times_text(const Report& run) {
   std::string text = fmt::format("{:<28}{:>12}{:>14}{:>14}\n", "time", "seconds", "vertices", "tets");
   const auto row = [&](const std::string& name, double seconds, const std::string& vertices = "",
@@ -58,6 +67,9 @@ std::string times_text(const Report& run) {
 }
 
 std::string speed_text(const Report& run) {
+  if (run.left_as_is)
+    return fmt::format("{} with {} thread{}; peak memory {}\n", seconds_text(run.times.adapt), run.threads,
+                       run.threads == 1 ? "" : "s", bytes_text(run.peak_memory));
   const double tets = static_cast<double>(run.output_counts.tets);
   return fmt::format("{} with {} thread{}: {} tets/s; peak memory {}\n", seconds_text(run.times.adapt),
                      run.threads, run.threads == 1 ? "" : "s",
@@ -126,17 +138,18 @@ std::string surface_text(const Report& run) {
 
 std::string summary_text(const Report& run) {
   std::string text = verdict_line(run);
+  text += left_text(run);
   text += speed_text(run) + "\n";
   text += measures_table({{"before", run.before ? &*run.before : nullptr},
                           {"after", run.after ? &*run.after : nullptr}}) +
           "\n";
   text += times_text(run) + "\n";
-  if (run.distributed) text += subdomains_text(*run.distributed) + "\n";
+  if (run.distributed && !run.left_as_is) text += subdomains_text(*run.distributed) + "\n";
   if (run.checkpoints) text += checkpoints_text(*run.checkpoints) + "\n";
-  text += operations_text(run.operations) + "\n";
+  if (!run.left_as_is) text += operations_text(run.operations) + "\n";
   if (!run.field_accounts.empty()) text += accounts_text(run.field_accounts, run.transfer) + "\n";
   text += limit_text(run.surface_limit);
-  text += surface_text(run);
+  if (!run.left_as_is) text += surface_text(run);
   if (run.model) text += model_text(*run.model, false);
   text += mends_text(run.mends);
   for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";

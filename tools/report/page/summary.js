@@ -15,7 +15,7 @@
   function verdict() {
     const met = report.goal_met;
     const text = `${weft.count(after.tets)} tets, ${weft.percent(after.edge_length.share_unit)} unit edges, in ${weft.seconds(report.seconds.total)}`;
-    const lines = [...report.goals_missed.map((g) => "Missed: " + g), ...(report.ended_by === "interrupted" ? ["Interrupted by the user."] : [])];
+    const lines = [...(report.left_as_is ? [`The mesh fits its metric and was left as it is: ${weft.percent(report.left_as_is.share_short)} of the edges of its tets are too short, ${weft.percent(report.left_as_is.share_long, 2)} too long.`] : []), ...report.goals_missed.map((g) => "Missed: " + g), ...(report.ended_by === "interrupted" ? ["Interrupted by the user."] : [])];
     return make("div", { class: "card verdict" + (met ? "" : " missed") }, make("span", { class: "mark", "aria-hidden": "true" }, met ? "✓" : "!"),
       make("div", {}, (met ? "Goal met: " : "Goal not met: ") + text, make("small", {}, lines.length ? lines.join(" ") : `On ${workers()}${report.subdomains ? ", in " + weft.plural(report.subdomains.subdomains, "subdomain") : ""}.`)));
   }

@@ -352,6 +352,10 @@ struct Report {
   /// Of the result. Empty where it was not measured: RunOptions::measure is off, or adapt() of a whole mesh
   /// was ended early and gave what it had at once. measures() takes them then.
   std::optional<Measures> after;
+  /// Set where the mesh fitted its metric already, in all its parts, and so is the result as it was given.
+  /// With a background of its own, on a CAD model, or where something of its boundary is to be completed, a
+  /// mesh is adapted in any case, and so is one of less than 8,192 tets.
+  std::optional<MetricFit> left_as_is;
   MeshCounts input_counts, output_counts;
   double target_complexity = 0;  ///< that was asked for, else that of the metric on its mesh
   bool complexity_asked = false;
@@ -365,7 +369,8 @@ struct Report {
   std::vector<std::string> warnings;  ///< such as boundary triangles that were missing and have been created
   std::vector<StageReport> stages;    ///< of one mesh
   OperationCounts operations;
-  double surface_deviation = 0;  ///< largest distance of a boundary triangle's centroid to the surface
+  double surface_deviation = 0;  ///< largest distance of a boundary triangle's centroid to the surface; 0
+                                 ///< where the mesh was left as it is
   double hausd = 0;              ///< the distance that was wanted at most
   SurfaceLimit surface_limit;    ///< what GeometryOptions::limit_metric has done
   /// Of one mesh: where the surface needs shorter edges than the metric asks for, by reference.
