@@ -76,6 +76,12 @@ bool FitSums::fits() const {
          fit.tets_of_complexity <= kMostTets;
 }
 
+bool may_fit(std::uint64_t num_tets, double complexity) {
+  constexpr double kMargin = 1.1;  // volumes are of tets' mean metrics, complexities of vertices'
+  const auto tets = static_cast<double>(num_tets);
+  return tets * kMargin >= kLeastTets * complexity && tets <= kMargin * kMostTets * complexity;
+}
+
 std::optional<FitBlocks> sum_blocks(std::span<const Tet> tets, std::uint64_t first_tet,
                                     std::uint64_t num_tets, std::span<const Point> points,
                                     std::span<const LogMetric> log_metrics) {

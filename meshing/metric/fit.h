@@ -39,6 +39,9 @@ constexpr std::uint64_t first_of_block(std::uint64_t block, std::uint64_t num_te
   return block < blocks_of(num_tets) ? block * kTetsOfBlock : num_tets;
 }
 
+/// False where a mesh of so many tets in a metric of this complexity cannot fit, whatever its tets are like.
+bool may_fit(std::uint64_t num_tets, double complexity);
+
 /// The blocks that consecutive tets are in, of which the first and the last may have others too.
 struct FitBlocks {
   std::uint64_t first = 0;  ///< its number

@@ -56,7 +56,9 @@ std::vector<std::uint32_t> ends_of_edges(const MeshSlice& slice) {
 std::optional<AsGiven> as_given(Peers& peers, const MeshSlice& slice, double target_complexity) {
   const Ranges points(peers, slice.points.size()), tets(peers, slice.tets.size());
   check_slices(peers, slice, points, tets);
-  if (meshing::blocks_of(slice.num_tets) == 0 || !follow_each_other(peers, slice.tets)) return {};
+  if (meshing::blocks_of(slice.num_tets) == 0) return {};
+  if (target_complexity > 0 && !meshing::may_fit(slice.num_tets, target_complexity)) return {};
+  if (!follow_each_other(peers, slice.tets)) return {};
   if (partition::max(peers, slice.boundary.association.empty() ? 0 : 1) > 0) return {};
   AsGiven result;
   SlicePiece made = piece_of_slice(peers, slice, SliceMetric::given, ends_of_edges(slice));

@@ -169,6 +169,13 @@ class Adapt(CommandTest):
             self.assertEqual({c["back_difference_max"] for c in report["fields"]["components"]}, {0})
             self.assertIn("was left as it is", (self.folder / "r/report.html").read_text())
 
+    def test_a_finished_mesh_is_adapted_by_force(self):
+        first = self.finished()
+        done, report = self.adapt_again("--force")
+        self.assertIsNone(report["left_as_is"])
+        self.assertNotIn("left as it is", done.stdout)
+        self.assertAlmostEqual(report["after"]["tets"] / first["tets"], 1, delta=0.05)
+
     def test_a_nearly_finished_mesh_is_adapted(self):
         first = self.finished()
         done, report = self.adapt_again("--complexity", 1.2 * first["complexity"])

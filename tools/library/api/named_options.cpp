@@ -257,7 +257,7 @@ void add_run(std::vector<Row>& rows) {
       "threads", "of this process or rank; 0: all cores, on several ranks one",
       [](Options & o) -> auto& { return o.run.threads; }));
   rows.push_back(flag(
-      "force", "run even if the memory seems insufficient",
+      "force", "run even if the memory seems insufficient, or the mesh fits already",
       [](Options & o) -> auto& { return o.run.force; }));
   rows.push_back(flag(
       "repair", "mend an input that would be refused", [](Options & o) -> auto& { return o.run.repair; }));

@@ -151,7 +151,7 @@ class OneMesh {
   /// Where the mesh fits its metric and is complete: it is the result then, and no other check would find
   /// more in it.
   bool leave_as_is() {
-    if (input_.background || !may_stay(options_.geometry)) return false;
+    if (input_.background || !may_stay(options_)) return false;
     naming(input_.name, [&] { meshing::check_arrays(input_.mesh); });
     if (field_.size() != input_.mesh.points.size()) return false;
     result_.left_as_is = meshing::fit_of(input_.mesh, field_);
@@ -258,8 +258,9 @@ class OneMesh {
 
 }  // namespace
 
-bool may_stay(const GeometryOptions& geometry) {
-  return geometry.model.empty() && (geometry.limit_metric || !(geometry.hausd > 0));
+bool may_stay(const Options& options) {
+  const GeometryOptions& geometry = options.geometry;
+  return !options.run.force && geometry.model.empty() && (geometry.limit_metric || !(geometry.hausd > 0));
 }
 
 namespace {

@@ -27,9 +27,10 @@ struct AdaptInput {
 /// Throws InputError. Times of reading and writing, the total and the goals' asking are left to the caller.
 Result adapt_one(const AdaptInput& input, const Options& options, Monitor& monitor);
 
-/// Whether a mesh that fits its metric has the boundary that these options want. What vertices on a model lie
-/// like is to be accounted for; a distance from the surface that the metric does not know of is to be kept.
-bool may_stay(const GeometryOptions& geometry);
+/// Whether a mesh that fits its metric is what these options want: not by RunOptions::force. What vertices on
+/// a model lie like is to be accounted for; a distance from the surface that the metric does not know of is
+/// to be kept.
+bool may_stay(const Options& options);
 
 /// Refuses a run that cannot fit, in words that name the complexity: throws InputError.
 void check_size(const std::string& name, double complexity, const RunOptions& run, const MeshCounts& input,

@@ -257,7 +257,8 @@ std::shared_ptr<const meshing::Model> DistributedRun::read_model(const meshing::
 
 bool DistributedRun::leave_as_is(const partition::MeshSlice& slice,
                                  const graph::adaptation::DistributedOptions& method, Report& report) {
-  if (method.background || !method.resume.empty() || !may_stay(options_.geometry)) return false;
+  const bool may_not = method.background || !method.resume.empty() || !may_stay(options_);
+  if (partition::max(*peers_, may_not ? 1 : 0) != 0) return false;  // ranks may differ in --force
   Stopwatch watch;
   std::optional<partition::AsGiven> given =
       partition::as_given(*peers_, slice, method.decomposition.target_complexity);

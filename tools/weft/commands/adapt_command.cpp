@@ -32,8 +32,8 @@ Writes the mesh and, beside it, the metric at its vertices (fine.solb) and the t
 --metric: a symmetric tensor (m11 m12 m22 m13 m23 m33) or a size at every vertex of the input, or of
 --background. --sol: a solution whose interpolation error is minimised. The metric is scaled so that it has
 the --complexity after limiting (--hmin, --hmax, --aspect) and gradation (--hgrad); expect about 2 vertices
-and 12 tets per unit of complexity. A mesh that fits the metric already is left as it is. Ctrl-C, SIGTERM
-and SIGALRM end the run with a valid intermediate mesh and exit code 1.
+and 12 tets per unit of complexity. A mesh that fits the metric already is left as it is, unless
+--force is given. Ctrl-C, SIGTERM and SIGALRM end the run with a valid intermediate mesh and exit code 1.
 Slabs: ALONG is harmonic=A,B (P slabs along what Laplace's equation makes between the triangles of reference
 A and those of B) or wall=A,... (along the distance from triangles of these references).
 Cases with published figures: cube-polar2-50000, cube-polar2-500000, delta-wing-500000.)";
@@ -190,7 +190,8 @@ void add_run(CLI::App& sub, AdaptCommand& command) {
          "--no-verify", [&command] { command.options.run.verify = false; },
          "write the result without checking that it conforms")
       ->group("Run");
-  sub.add_flag("--force", command.options.run.force, "run even if the memory seems insufficient")
+  sub.add_flag("--force", command.options.run.force,
+               "run even if the memory seems insufficient, or the mesh fits already")
       ->group("Run");
 }
 

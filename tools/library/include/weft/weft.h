@@ -175,7 +175,7 @@ struct RunOptions {
   /// Mend what can be mended of an imperfect input instead of refusing it: see repair(). What was done is in
   /// Report::mends.
   bool repair = false;
-  bool force = false;  ///< run even if the memory seems insufficient
+  bool force = false;  ///< run even if the memory seems insufficient, or the mesh fits its metric already
   bool check = false;  ///< check the invariants of all subdomains after every round: slow
   /// Check that the result conforms before it is given away, by a sum over all faces (less than a hundredth
   /// of the time). RunError names what is wrong: a fault of weft, not of the input.
@@ -354,7 +354,7 @@ struct Report {
   std::optional<Measures> after;
   /// Set where the mesh fitted its metric already, in all its parts, and so is the result as it was given.
   /// With a background of its own, on a CAD model, or where something of its boundary is to be completed, a
-  /// mesh is adapted in any case, and so is one of less than 8,192 tets.
+  /// mesh is adapted in any case, and so is one of less than 8,192 tets, or with RunOptions::force.
   std::optional<MetricFit> left_as_is;
   MeshCounts input_counts, output_counts;
   double target_complexity = 0;  ///< that was asked for, else that of the metric on its mesh
