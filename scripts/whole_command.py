@@ -1,15 +1,18 @@
 """What a command in subdomains takes beside its loop, predicted for ranks and tets that this machine does not have.
 
 start   All of the command with the real protocols but without work in the loop: the start mesh goes into the real number
-        of subdomains on simulated ranks, nothing may be changed, and it is checked, measured and written. Virtual
-        seconds of all of that, also of the empty loop: what grows with the ranks is in it.
+        of subdomains on simulated ranks of one thread, nothing may be changed, and it is checked, measured and written.
+        What grows with the ranks is in it. Threads of a rank share the empty loop, and what is done after it and for
+        measures as in the end; what of that is messages they do not, and reading and division count as of one thread.
 end     What is done after the loop (pieces, check, measures, writing) with the tets that the result has more: seconds
         a tet of a rank, from the finished mesh of the recording on --end-ranks, where each has about as many tets as in
         the large case. Threads of a rank share what two threads share here in one process, by Amdahl's law.
-disk    The files' bytes at --disk bytes a second for all ranks together: assumed, as files are in a cache here."""
+disk    The files' bytes at --disk bytes a second for all ranks together: assumed, as files are in a cache here. Ranks
+        of several threads write while they measure: what the measures of the result take is hidden."""
 
 import re
 
+NO_NETWORK = "1ns,1000GB/s"
 NOTHING_CHANGES = ("--no-insert", "--no-swap", "--no-move", "--shifts", 0, "--force")
 
 
@@ -42,21 +45,41 @@ class WholeCommand:
     def on_ranks(ranks, network):
         return "--threads", 1, "--simulate-ranks", ranks, "--simulate-network", network
 
-    def start_seconds(self, ranks, subdomains, network):
+    @staticmethod
+    def seconds_of(text):
+        """Those of the steps; of simulated ranks virtual ones."""
+        return {step: float(re.search(rf"^ +{step} +([\d.]+)", text, re.M).group(1))
+                for step in ("total", "read", "metric", "adapt", "measure", "of the input")}
+
+    def of_start(self, ranks, subdomains, network):
+        """All seconds, and those of the steps."""
         text = self.run(f"start-{self.options.complexity * self.scale:g}-{ranks}-{subdomains}-{network}", self.start, self.start_metric, subdomains,
                         "--complexity", self.options.complexity * self.scale, *self.on_ranks(ranks, network))
-        return float(re.search(r"^simulated: .*?: ([\d.e+-]+) s,", text, re.M).group(1))
+        return float(re.search(r"^simulated: .*?: ([\d.e+-]+) s,", text, re.M).group(1)), self.seconds_of(text)
+
+    def start_seconds(self, ranks, threads, subdomains, network):
+        _, work = self.of_start(ranks, subdomains, NO_NETWORK)
+        after_loop = work["total"] - sum(work[step] for step in ("read", "metric", "adapt", "of the input"))
+        saved = work["adapt"] * (1 - 1 / threads)
+        saved += (after_loop + work["of the input"]) * (1 - self.share_of_thread(threads, max(1, subdomains // self.options.copies)))
+        return self.of_start(ranks, subdomains, network)[0] - saved
+
+    def end_run(self, name, subdomains, *more):
+        return self.seconds_of(self.run(f"{name}-{subdomains}", self.result, self.result.with_suffix(".solb"), subdomains, *more))
 
     def after_loop(self, name, subdomains, *more):
-        text = self.run(f"{name}-{subdomains}", self.result, self.result.with_suffix(".solb"), subdomains, *more)
-        total, *before = (float(re.search(rf"^ +{part} +([\d.]+)", text, re.M).group(1))
-                          for part in ("total", "read", "metric", "adapt", "of the input"))
-        return total - sum(before)
+        seconds = self.end_run(name, subdomains, *more)
+        return seconds["total"] - sum(seconds[step] for step in ("read", "metric", "adapt", "of the input"))
 
     def share_of_thread(self, threads, subdomains):
         one, two = (self.after_loop(f"threads-{n}", subdomains, "--threads", n) for n in (1, 2))
         serial = min(1.0, max(0.0, 2 * two / one - 1))
         return serial + (1 - serial) / threads
+
+    def share_of_measures(self, subdomains):
+        """Of what is done after the loop."""
+        seconds = self.end_run("threads-1", subdomains, "--threads", 1)
+        return (seconds["measure"] - seconds["of the input"]) / self.after_loop("threads-1", subdomains, "--threads", 1)
 
     def end_seconds(self, ranks, threads, subdomains, network):
         """`subdomains` of the recorded mesh, each as large as in the case."""
@@ -71,5 +94,7 @@ class WholeCommand:
 
     def seconds(self, ranks, threads, subdomains, network):
         """All but the loop."""
-        return {"start": self.start_seconds(ranks, subdomains, network), "end": self.end_seconds(ranks, threads, max(1, subdomains // self.options.copies), network),
-                "disk": self.disk_seconds()}
+        recorded = max(1, subdomains // self.options.copies)
+        end = self.end_seconds(ranks, threads, recorded, network)
+        hidden = end * self.share_of_measures(recorded) if threads > 1 else 0
+        return {"start": self.start_seconds(ranks, threads, subdomains, network), "end": end, "disk": max(0, self.disk_seconds() - hidden)}

@@ -49,7 +49,7 @@ std::string times_text(const Report& run) {
   std::string text = fmt::format("{:<28}{:>12}{:>14}{:>14}\n", "time", "seconds", "vertices", "tets");
   const auto row = [&](const std::string& name, double seconds, const std::string& vertices = "",
                        const std::string& tets = "") {
-    text += fmt::format("  {:<26.26}{:>12.2f}{:>14}{:>14}", name, seconds, vertices, tets);
+    text += fmt::format("  {:<26.26}{:>12.3f}{:>14}{:>14}", name, seconds, vertices, tets);
     text.erase(text.find_last_not_of(' ') + 1);
     text += '\n';
   };
