@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -148,6 +150,29 @@ TEST(Distribute, DividesWorkOrTets) {
   options.equal_tets = true;
   const auto [most_tets, least_tets] = most_and_least();
   EXPECT_LE(most_tets, least_tets + 3);  // half a tet for each of three cuts, on either side
+}
+
+/// Tets count by what becomes of them.
+TEST(Distribute, MeanQualityIsWeighedByComplexity) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const MetricMesh whole = support::random_metric_mesh(seed);
+    double complexity = 0, weighed = 0, plain = 0;
+    for (const meshing::Tet& t : whole.mesh.tets) {
+      std::array<meshing::Point, 4> x;
+      std::array<meshing::LogMetric, 4> l;
+      double volume = 0;
+      for (std::size_t i = 0; i < 4; ++i) x[i] = whole.mesh.points[t[i]], l[i] = whole.log_metrics[t[i]];
+      for (std::size_t i = 0; i < 4; ++i)
+        volume += std::exp(trace(l[i]) / 2) / 4 * meshing::six_volume(x[0], x[1], x[2], x[3]) / 6;
+      const double quality = std::max(0.0, meshing::mean_ratio(x, l));
+      complexity += volume, weighed += volume * quality, plain += quality;
+    }
+    const double expected = weighed / complexity;
+    EXPECT_GT(std::abs(expected - plain / static_cast<double>(whole.mesh.tets.size())), 1e-3)
+        << "shows nothing";
+    for (const int ranks : {1, 3})
+      EXPECT_NEAR(distribute_on(ranks, whole, options_of(2)).mean_quality, expected, 1e-9);
+  }
 }
 
 TEST(Distribute, WhatIsNearlyRightIsCutByRuns) {
