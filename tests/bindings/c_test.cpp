@@ -619,7 +619,8 @@ TEST_F(CInterface, FilesAreAdaptedWithAllThatTheCommandIsTold) {
   EXPECT_THAT(summary, HasSubstr("simulated"));
   EXPECT_EQ(std::filesystem::file_size(out), std::filesystem::file_size(simulated));
   settings.simulate_cores = -1;
-  EXPECT_EQ(weft_adapt_files_with(start.c_str(), simulated.c_str(), &settings, asked, &result), WEFT_MISUSE);
+  EXPECT_EQ(weft_adapt_files_with(start.c_str(), simulated.c_str(), &settings, asked, &result),
+            WEFT_OPTION_ERROR);
   EXPECT_THAT(weft_last_error(), HasSubstr("--simulate-cores"));
   settings.simulate_cores = 1;
   settings.num_fields = 2;
