@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "meshing/base/freed_memory.h"
 #include "meshing/base/parallel.h"
 #include "meshing/base/release.h"
 #include "meshing/fields/interpolate.h"
@@ -187,6 +188,7 @@ Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod m
   const ValueTable carried = std::move(reading.at.table);
   reading = {};
   meshes.release_source(Way::onto_new);
+  give_back_freed_memory();  // the way back may need the most of all
   const std::vector<double> after = integrals(meshes.new_mesh(), carried);
   for (std::size_t c = 0; c < result.accounts.size(); ++c) {
     result.accounts[c].integral_before = before[c];
