@@ -7,6 +7,7 @@
 #include <ranges>
 #include <utility>
 
+#include "meshing/base/freed_memory.h"
 #include "meshing/base/place_index.h"
 #include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
@@ -119,6 +120,7 @@ NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& aro
   }
   meshing::release(own);
   send(of, std::move(tets_for));
+  meshing::give_back_freed_memory();  // what it took to find and sort them is more than they are
 }
 
 void NearbyTets::send(const PartDomain& of, std::vector<std::vector<std::uint32_t>>&& tets_for) {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "meshing/base/freed_memory.h"
 #include "meshing/base/place_in.h"
 #include "meshing/base/place_index.h"
 #include "meshing/base/release.h"
@@ -55,6 +56,7 @@ PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings, const Mo
   build_mesh(slice, std::move(tets));
   join_copies();
   volumes_ = meshing::vertex_volumes(mesh_);
+  meshing::give_back_freed_memory();  // to make it took several times as much as it keeps
 }
 
 void PartDomain::choose_owners(const MeshSlice& slice, const MortonShares& shares) {
