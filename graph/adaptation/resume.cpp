@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <functional>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -17,10 +18,14 @@ namespace {
 using Kind = CheckpointRecord::Kind;
 
 template <class T>
-std::uint64_t hash_of(const std::vector<T>& values, std::uint64_t seed) {
+std::uint64_t hash_of(std::span<const T> values, std::uint64_t seed) {
   static_assert(std::is_floating_point_v<T> || std::has_unique_object_representations_v<T> ||
                 std::is_same_v<T, meshing::Point> || std::is_same_v<T, meshing::LogMetric>);
   return hash_bytes(values.data(), values.size() * sizeof(T), seed);
+}
+template <class T>
+std::uint64_t hash_of(const std::vector<T>& values, std::uint64_t seed) {
+  return hash_of(std::span<const T>(values), seed);
 }
 
 std::uint64_t hash_of(const AdaptationPlan& plan) {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <span>
 #include <tuple>
-#include <type_traits>
 #include <utility>
 
 #include "meshing/base/place_in.h"
@@ -27,7 +27,7 @@ using meshing::Point;
 using meshing::Tet;
 using Way = meshing::MeshPair::Way;
 
-TetCorners corners_of(const std::vector<Point>& points, const Tet& t) {
+TetCorners corners_of(std::span<const Point> points, const Tet& t) {
   return {points[t[0]], points[t[1]], points[t[2]], points[t[3]]};
 }
 
@@ -101,57 +101,23 @@ std::vector<Tet> in_pieces(Peers& peers, std::vector<OrderedTet>&& mine) {
   return of_pieces;
 }
 
-/// Pieces as bytes, in the way of the engine's archives, which are not known here.
-class Packer {
- public:
-  static constexpr bool kPacks = true;
-  template <class... Members>
-  void operator()(Members&... members) {
-    (add(members), ...);
-  }
-  Bytes take() { return std::move(bytes_); }
+/// Pieces one after the other, each behind its size.
+void append_background_piece(const BackgroundPiece& piece, Bytes& bytes) {
+  const std::uint64_t size = piece.bytes().size();
+  const auto first = reinterpret_cast<const std::byte*>(&size);
+  bytes.insert(bytes.end(), first, first + sizeof size);
+  bytes.insert(bytes.end(), piece.bytes().begin(), piece.bytes().end());
+}
 
- private:
-  void add_bytes(const void* from, std::size_t count) {
-    const auto* begin = static_cast<const std::byte*>(from);
-    bytes_.insert(bytes_.end(), begin, begin + count);
-  }
-  void add(std::uint64_t value) { add_bytes(&value, sizeof value); }
-  template <class T>
-  void add(const std::vector<T>& values) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    add(std::uint64_t{values.size()});
-    add_bytes(values.data(), values.size() * sizeof(T));
-  }
-  Bytes bytes_;
-};
-
-class Unpacker {
- public:
-  static constexpr bool kPacks = false;
-  explicit Unpacker(const Bytes& bytes) : bytes_(bytes) {}
-  bool at_end() const { return at_ == bytes_.size(); }
-  template <class... Members>
-  void operator()(Members&... members) {
-    (take(members), ...);
-  }
-
- private:
-  void take_bytes(void* to, std::size_t count) {
-    if (count > 0) std::memcpy(to, bytes_.data() + at_, count);
-    at_ += count;
-  }
-  void take(std::uint64_t& value) { take_bytes(&value, sizeof value); }
-  template <class T>
-  void take(std::vector<T>& values) {
-    std::uint64_t count = 0;
-    take(count);
-    values.resize(count);
-    take_bytes(values.data(), count * sizeof(T));
-  }
-  const Bytes& bytes_;
-  std::size_t at_ = 0;
-};
+/// `bytes` begins with it, and with what is behind it afterwards.
+std::shared_ptr<const BackgroundPiece> take_background_piece(std::span<const std::byte>& bytes) {
+  std::uint64_t size = 0;
+  std::memcpy(&size, bytes.data(), sizeof size);
+  const auto words = std::make_shared<std::vector<std::uint64_t>>(size / sizeof(std::uint64_t));
+  std::memcpy(words->data(), bytes.data() + sizeof size, size);
+  bytes = bytes.subspan(sizeof size + size);
+  return std::make_shared<const BackgroundPiece>(std::as_bytes(std::span(*words)), words);
+}
 
 /// A few tets of the starts a cell.
 CellGrid grid_over(Peers& peers, std::span<const SubdomainStart> starts,
@@ -305,7 +271,7 @@ std::vector<std::vector<std::uint64_t>> OwnBackground::wanted_by_cells(
     std::span<const SubdomainStart> starts) const {
   const CellGrid grid = grid_over(peers_, starts, pieces_);
   std::vector<std::uint32_t> had, wanted;
-  const auto add_cells = [&](const std::vector<Point>& points, const std::vector<Tet>& tets,
+  const auto add_cells = [&](std::span<const Point> points, std::span<const Tet> tets,
                              std::vector<std::uint32_t>& cells) {
     for (const Tet& tet : tets)
       grid.for_each_cell(box_of(corners_of(points, tet)), [&](std::uint32_t c) { cells.push_back(c); });
@@ -341,20 +307,13 @@ OwnBackground::Pieces OwnBackground::fetch_pieces(std::span<const SubdomainStart
   for (std::size_t r = 0; r < to_each.size(); ++r) {
     for (const std::uint64_t id : asked[r]) to_each[r].push_back(id - pieces_.front()->id);
     meshing::sort_unique(to_each[r]);
-    Packer packer;
-    for (const std::uint64_t p : to_each[r]) {
-      BackgroundPiece copy = *pieces_[p];
-      copy.serialize(packer);
-    }
-    parcels.push_back(packer.take());
+    Bytes parcel;
+    for (const std::uint64_t p : to_each[r]) append_background_piece(*pieces_[p], parcel);
+    parcels.push_back(std::move(parcel));
   }
   Pieces here;
   for (const Bytes& parcel : peers_.all_to_all(std::move(parcels)))
-    for (Unpacker unpacker(parcel); !unpacker.at_end();) {
-      auto piece = std::make_shared<BackgroundPiece>();
-      piece->serialize(unpacker);
-      here.push_back(std::move(piece));
-    }
+    for (std::span<const std::byte> rest(parcel); !rest.empty();) here.push_back(take_background_piece(rest));
   return here;
 }
 

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <functional>
 #include <iterator>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 #include "meshing/mesh/face_matcher.h"
@@ -100,24 +102,24 @@ class Cutting {
   /// `neighbours`: of these tets by their numbers among them, kNoNeighbour at the border.
   std::shared_ptr<const BackgroundPiece> cut(
       std::uint64_t id, std::span<const std::array<std::uint32_t, 4>> tets,
-      const std::function<std::vector<std::array<std::uint32_t, 4>>(const BackgroundPiece&)>& neighbours) {
-    auto piece = std::make_shared<BackgroundPiece>();
-    piece->id = id;
-    piece->tets = vertices_.number(tets);
+      const std::function<std::vector<std::array<std::uint32_t, 4>>(const BackgroundPieceParts&)>&
+          neighbours) {
+    BackgroundPieceParts parts;
+    parts.id = id;
+    parts.tets = vertices_.number(tets);
     const std::span<const std::uint32_t> vertices = vertices_.vertices();
     std::vector<GlobalId> names;
     names.reserve(vertices.size());
-    piece->points.reserve(vertices.size());
-    piece->log_metrics.reserve(vertices.size());
+    parts.points.reserve(vertices.size());
+    parts.log_metrics.reserve(vertices.size());
     for (const std::uint32_t v : vertices) {
-      piece->points.push_back(points_[v]);
-      piece->log_metrics.push_back(log_metrics_[v]);
+      parts.points.push_back(points_[v]);
+      parts.log_metrics.push_back(log_metrics_[v]);
       names.push_back(ids_[v]);
     }
-    piece->neighbours = neighbours(*piece);
-    piece->border = border_of(piece->tets, piece->neighbours, names);
-    piece->number_open_faces();
-    return piece;
+    std::vector<std::array<std::uint32_t, 4>> of_tets = neighbours(parts);
+    parts.border = border_of(parts.tets, of_tets, names);
+    return std::make_shared<const BackgroundPiece>(parts, std::move(of_tets));
   }
 
  private:
@@ -146,7 +148,68 @@ std::vector<std::array<std::uint32_t, 4>> neighbours_within(const Adjacency& adj
   return within;
 }
 
+/// At the beginning of a piece's bytes; the lists follow in the order of for_each_list(). All of them are of
+/// elements that are some times 8 bytes.
+struct Head {
+  std::uint64_t id;
+  std::array<std::uint64_t, 4> sizes;
+};
+
+template <class Piece, class F>
+void for_each_list(Piece& p, const F& f) {
+  f(p.points), f(p.log_metrics), f(p.border), f(p.tets);
+}
+
 }  // namespace
+
+BackgroundPiece::BackgroundPiece(const BackgroundPieceParts& parts,
+                                 std::vector<std::array<std::uint32_t, 4>> of_tets)
+    : neighbours(std::move(of_tets)) {
+  Head head{parts.id, {}};
+  std::size_t size = sizeof head, i = 0;
+  for_each_list(parts, [&](const auto& list) {
+    head.sizes[i++] = list.size();
+    size += list.size() * sizeof(list[0]);
+  });
+  const auto words = std::make_shared<std::vector<std::uint64_t>>(size / 8);
+  auto* at = reinterpret_cast<std::byte*>(words->data());
+  const auto put = [&](const void* data, std::size_t bytes) {
+    if (bytes > 0) std::memcpy(at, data, bytes);
+    at += bytes;
+  };
+  put(&head, sizeof head);
+  for_each_list(parts, [&](const auto& list) { put(list.data(), list.size() * sizeof(list[0])); });
+  bytes_ = std::as_bytes(std::span(*words));
+  owner_ = words;
+  find_parts();
+  number_open_faces();
+}
+
+BackgroundPiece::BackgroundPiece(std::span<const std::byte> bytes, std::shared_ptr<const void> owner)
+    : bytes_(bytes), owner_(std::move(owner)) {
+  find_parts();
+  find_neighbours();
+  number_open_faces();
+}
+
+void BackgroundPiece::find_parts() {
+  Head head{};
+  std::size_t next = sizeof head, i = 0;
+  const auto require = [&](bool holds) {
+    if (!holds) throw std::runtime_error("a piece of the background does not have the size that it says");
+  };
+  require(bytes_.size() >= next);
+  std::memcpy(&head, bytes_.data(), sizeof head);
+  id = head.id;
+  for_each_list(*this, [&]<class T>(std::span<const T>& list) {
+    static_assert(sizeof(T) % 8 == 0 && alignof(T) <= 8);
+    const std::uint64_t count = head.sizes[i++];
+    require(count <= (bytes_.size() - next) / sizeof(T));
+    list = {reinterpret_cast<const T*>(bytes_.data() + next), count};
+    next += count * sizeof(T);
+  });
+  require(next == bytes_.size());
+}
 
 void BackgroundPiece::number_open_faces() {
   for (std::uint32_t i = 0; i < border.size(); ++i)
@@ -166,7 +229,6 @@ void BackgroundPiece::find_neighbours() {
       neighbours[t][f] = other;
       neighbours[other >> 2][other & 3] = code;
     }
-  number_open_faces();
 }
 
 std::vector<std::shared_ptr<const BackgroundPiece>> cut_background(
@@ -176,7 +238,7 @@ std::vector<std::shared_ptr<const BackgroundPiece>> cut_background(
   Cutting cutting(points, log_metrics, ids);
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   for_each_piece(tets, [&](std::size_t, std::span<const std::array<std::uint32_t, 4>> of_piece) {
-    pieces.push_back(cutting.cut(first_id + pieces.size(), of_piece, [](const BackgroundPiece& piece) {
+    pieces.push_back(cutting.cut(first_id + pieces.size(), of_piece, [](const BackgroundPieceParts& piece) {
       return meshing::build_adjacency(piece.tets, piece.points.size()).neighbours;
     }));
   });
@@ -192,7 +254,7 @@ BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing:
   for_each_piece(tets, [&](std::size_t first, std::span<const std::array<std::uint32_t, 4>> of_piece) {
     append(cutting.cut(
         std::uint64_t{subdomain.value} << 32 | pieces_.size(), of_piece,
-        [&](const BackgroundPiece&) { return neighbours_within(adjacency, first, of_piece.size()); }));
+        [&](const BackgroundPieceParts&) { return neighbours_within(adjacency, first, of_piece.size()); }));
     const BackgroundPiece& piece = *pieces_.back();
     for (std::size_t i = 0; i < piece.border.size(); ++i) {
       const std::uint64_t code = piece.border[i].code;

@@ -16,9 +16,8 @@
 
 namespace weft::partition {
 
-/// Some hundreds of tets of the background's mesh with their metric, cut out once and never changed: the unit
-/// in which the background travels with the tets that cover it. Plain arrays.
-struct BackgroundPiece {
+/// What a piece is made of.
+struct BackgroundPieceParts {
   /// A face that has its other side, if any, in another piece.
   struct OpenFace {
     std::uint64_t name = 0;  ///< a hash of its vertices' global ids: the same on the other side
@@ -30,34 +29,53 @@ struct BackgroundPiece {
   std::vector<meshing::LogMetric> log_metrics;
   std::vector<OpenFace> border;  ///< by name
   std::vector<std::array<std::uint32_t, 4>> tets;
+};
+
+/// Some hundreds of tets of the background's mesh with their metric, cut out once and never changed: the unit
+/// in which the background travels with the tets that cover it. One block of bytes: copies of a piece share
+/// it, and so do messages.
+struct BackgroundPiece {
+  using OpenFace = BackgroundPieceParts::OpenFace;
+
+  /// `neighbours`: of the tets, as meshing::Adjacency, kNoNeighbour at the border.
+  BackgroundPiece(const BackgroundPieceParts& parts, std::vector<std::array<std::uint32_t, 4>> neighbours);
+  /// Of bytes() of another; `owner` keeps them, aligned as a double is. Throws std::runtime_error where they
+  /// do not have the size that they say.
+  BackgroundPiece(std::span<const std::byte> bytes, std::shared_ptr<const void> owner);
+
+  std::uint64_t id = 0;
+  // As in BackgroundPieceParts:
+  std::span<const meshing::Point> points;
+  std::span<const meshing::LogMetric> log_metrics;
+  std::span<const OpenFace> border;
+  std::span<const std::array<std::uint32_t, 4>> tets;
   /// As meshing::Adjacency; at the piece's border BackgroundBlock::kOpen and the place in `border`.
   std::vector<std::array<std::uint32_t, 4>> neighbours;
 
-  /// Puts the places in `border` into `neighbours`.
-  void number_open_faces();
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(id, points, log_metrics, border, tets);
-    if constexpr (!Archive::kPacks) find_neighbours();
-  }
+  std::span<const std::byte> bytes() const { return bytes_; }
+  const std::shared_ptr<const void>& owner() const { return owner_; }
 
  private:
+  void find_parts();
   void find_neighbours();
+  void number_open_faces();
+
+  std::span<const std::byte> bytes_;
+  std::shared_ptr<const void> owner_;
 };
 
-/// Packs copies of shared pieces, or unpacks pieces to be shared. `pieces` is a range of pointers to pieces.
+/// Messages share the pieces' bytes, and pieces that are unpacked share the message's. `pieces` is a range of
+/// pointers to pieces.
 template <class Archive, class Pieces>
 void serialize_pieces(Archive& archive, Pieces&& pieces) {
   std::uint64_t count = std::ranges::size(pieces);
   archive(count);
   if constexpr (Archive::kPacks) {
-    for (const auto& piece : pieces) archive(*piece);
+    for (const auto& piece : pieces) archive.share(piece->bytes(), piece->owner());
   } else {
     for (std::uint64_t i = 0; i < count; ++i) {
-      auto piece = std::make_shared<BackgroundPiece>();
-      archive(*piece);
-      pieces.push_back(std::move(piece));
+      auto [bytes, owner] = archive.shared();
+      pieces.push_back(std::make_shared<const BackgroundPiece>(bytes, std::move(owner)));
     }
   }
 }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <mutex>
 #include <random>
@@ -79,9 +80,9 @@ TEST_P(OwnBackgroundOnRanks, GivesEverySubdomainTheSameBits) {
     for (std::size_t p = 0; p < start.background.size(); ++p) {
       const BackgroundPiece &a = *start.background[p], &b = *expected.background[p];
       EXPECT_EQ(a.id, b.id);
-      EXPECT_EQ(a.points, b.points);
-      EXPECT_EQ(a.log_metrics, b.log_metrics);
-      EXPECT_EQ(a.tets, b.tets);
+      EXPECT_TRUE(std::ranges::equal(a.points, b.points));
+      EXPECT_TRUE(std::ranges::equal(a.log_metrics, b.log_metrics));
+      EXPECT_TRUE(std::ranges::equal(a.tets, b.tets));
       EXPECT_EQ(a.neighbours, b.neighbours);
     }
     ASSERT_EQ(start.background_places.size(), start.points.size());

@@ -6,6 +6,7 @@
 
 #include <random>
 #include <set>
+#include <stdexcept>
 
 #include "tests/partition/scenes.h"
 
@@ -203,6 +204,19 @@ TEST(BackgroundStore, GivesPiecesByTheirIds) {
   EXPECT_EQ(found[0], store.all_pieces()[0]);
   EXPECT_EQ(found[1], store.all_pieces()[2]);
   EXPECT_TRUE(store.pieces({}).empty());
+}
+
+TEST(BackgroundPiece, IsReadFromTheBytesOfAnotherAndFromNoOthers) {
+  const Whole whole(0);
+  const BackgroundStore store = whole.store(SubdomainId(0), parts(whole.mesh, 2, 0, 1));
+  for (const auto& piece : store.all_pieces()) {
+    const BackgroundPiece same(piece->bytes(), piece->owner());
+    EXPECT_EQ(same.tets.data(), piece->tets.data());
+    EXPECT_EQ(same.neighbours, piece->neighbours);
+    EXPECT_THROW(BackgroundPiece(piece->bytes().first(piece->bytes().size() - 8), piece->owner()),
+                 std::runtime_error);
+    EXPECT_THROW(BackgroundPiece(piece->bytes().first(8), piece->owner()), std::runtime_error);
+  }
 }
 
 /// Subdomains of a rank have a piece in one copy, whichever way it came, and answer as before; what nobody
