@@ -40,12 +40,7 @@ class Permutation {
   /// One member of an array's elements.
   template <class T, class Member>
   void move_member(StableArray<T>& array, const Member& member) const {
-    using Value = std::remove_cvref_t<decltype(member(array[0]))>;
-    static_assert(std::is_trivially_copyable_v<Value> && alignof(Value) <= alignof(std::max_align_t));
-    const auto moved = reinterpret_cast<Value*>(scratch_);
-    tbb::parallel_for(std::size_t{0}, map_.size(), [&](std::size_t i) {
-      if (map_[i].valid()) moved[map_[i].value] = member(array[i]);
-    });
+    const auto* moved = moved_members(array, member);
     tbb::parallel_for(std::uint32_t{0}, new_size_, [&](std::uint32_t i) { member(array[i]) = moved[i]; });
   }
 
@@ -55,7 +50,29 @@ class Permutation {
     array.release_from(new_size_);
   }
 
+  /// The same for elements most of which are zero: pages with no others take no memory afterwards.
+  template <class T>
+  void move_sparse(StableArray<T>& array) const {
+    const T* moved = moved_members(array, [](T& x) -> T& { return x; });
+    array.release_from(0);
+    tbb::parallel_for(std::uint32_t{0}, new_size_, [&](std::uint32_t i) {
+      if (moved[i] != T{}) array[i] = moved[i];
+    });
+  }
+
  private:
+  /// In the new order, in the scratch.
+  template <class T, class Member>
+  auto* moved_members(StableArray<T>& array, const Member& member) const {
+    using Value = std::remove_cvref_t<decltype(member(array[0]))>;
+    static_assert(std::is_trivially_copyable_v<Value> && alignof(Value) <= alignof(std::max_align_t));
+    const auto moved = reinterpret_cast<Value*>(scratch_);
+    tbb::parallel_for(std::size_t{0}, map_.size(), [&](std::size_t i) {
+      if (map_[i].valid()) moved[map_[i].value] = member(array[i]);
+    });
+    return moved;
+  }
+
   const std::vector<Id>& map_;
   const std::uint32_t new_size_;
   std::byte* const scratch_;
@@ -206,7 +223,7 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
   to_tets.move_member(tets_, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.v; });
   to_tets.move_member(tets_, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.n; });
   tets_.release_from(num_tets);
-  to_tets.move(patches_);
+  to_tets.move_sparse(patches_);
   to_tets.move(tet_refs_);
   to_tets.move(quality_);
   to_tets.move(marks_);

@@ -130,7 +130,11 @@ class TetMesh {
   }
   /// The patch that a face lies on: boundary or material interface, on both its tets. Invalid inside.
   PatchId patch(TetId t, int face) const { return PatchId(patches_[t.value][face] - 1); }
-  void set_patch(TetId t, int face, PatchId p) { patches_[t.value][face] = p.value + 1; }
+  /// Where nothing changes nothing is written: pages of tets inside stay untouched, and take no memory.
+  void set_patch(TetId t, int face, PatchId p) {
+    std::uint32_t& stored = patches_[t.value][face];
+    if (stored != p.value + 1) stored = p.value + 1;
+  }
   std::int32_t ref(TetId t) const { return tet_refs_[t.value]; }
   void set_ref(TetId t, std::int32_t r) { tet_refs_[t.value] = r; }
   /// Cached mean ratio (quality.h) in the mean that operators judge by (Kernel::policy); they keep it right.
