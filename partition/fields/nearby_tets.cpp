@@ -105,16 +105,18 @@ NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& aro
     of_own.unite(box_of(mesh, mesh.tets[t]));
   }
   const auto boxes = own | std::views::transform([&](std::uint32_t t) { return box_of(mesh, mesh.tets[t]); });
-  const std::vector<Box> mine = boxes_around(around.mesh(), reach);
+  std::vector<Box> mine = boxes_around(around.mesh(), reach);
   std::vector<int> asked;
   for (const auto& ranks : ranks_wanting(peers, grid, cells_of(grid, boxes), cells_of(grid, mine)))
     asked.insert(asked.end(), ranks.begin(), ranks.end());
   meshing::sort_unique(asked);
-  const std::vector<std::vector<Box>> around_each = ask_for_boxes(peers, asked, of_own, mine);
+  std::vector<std::vector<Box>> around_each = ask_for_boxes(peers, asked, of_own, mine);
+  meshing::release(mine);
   std::vector<std::vector<std::uint32_t>> tets_for(around_each.size());
   for (std::size_t r = 0; r < around_each.size(); ++r) {
     if (around_each[r].empty()) continue;
     BoxTree tree(around_each[r]);
+    meshing::release(around_each[r]);
     for (const std::uint32_t t : own)
       if (tree.meets(box_of(mesh, mesh.tets[t]))) tets_for[r].push_back(t);
   }
