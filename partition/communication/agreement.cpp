@@ -29,9 +29,11 @@ std::string text_of_lowest(Peers& peers, bool has, const std::string& text) {
 
 }  // namespace
 
+void throw_issue(const std::string& issue) { throw meshing::InputError("", "", issue); }
+
 void agree(Peers& peers, const std::string& issue) {
   const std::string first = text_of_lowest(peers, !issue.empty(), issue);
-  if (!first.empty()) throw meshing::InputError("", "", first);
+  if (!first.empty()) throw_issue(first);
 }
 
 std::string text_of_first(Peers& peers, const std::string& text) {

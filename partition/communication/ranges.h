@@ -17,9 +17,16 @@ namespace weft::partition {
 class Ranges {
  public:
   /// From the number of entries here; all ranks call together.
-  Ranges(Peers& peers, std::uint64_t my_count) : firsts_{0} {
-    for (const std::uint64_t count : allgather_joined(peers, std::vector<std::uint64_t>{my_count}))
-      firsts_.push_back(firsts_.back() + count);
+  Ranges(Peers& peers, std::uint64_t my_count) : Ranges(of_arrays(peers, {my_count})[0]) {}
+  /// Of several arrays, in one exchange.
+  static std::vector<Ranges> of_arrays(Peers& peers, const std::vector<std::uint64_t>& my_counts) {
+    std::vector<Ranges> arrays(my_counts.size(), Ranges());
+    std::size_t i = 0;
+    for (const std::uint64_t count : allgather_joined(peers, my_counts)) {
+      std::vector<std::uint64_t>& firsts = arrays[i++ % arrays.size()].firsts_;
+      firsts.push_back(firsts.back() + count);
+    }
+    return arrays;
   }
   std::uint64_t first(int rank) const { return firsts_[static_cast<std::size_t>(rank)]; }
   std::uint64_t total() const { return firsts_.back(); }
@@ -31,7 +38,9 @@ class Ranges {
   }
 
  private:
-  std::vector<std::uint64_t> firsts_;
+  Ranges() = default;
+
+  std::vector<std::uint64_t> firsts_ = {0};
 };
 
 /// All ranks: the same entries in the same order, of which each rank gets an equal share.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -68,7 +69,7 @@ class TetPoints {
 /// What is known of the slice's tets, and of the whole mesh, before it is decomposed.
 struct Measured {
   std::vector<double> complexities;
-  double mean_quality = 0;
+  double complexity = 0, mean_quality = 0;  ///< of the whole mesh
   meshing::Box box;
 };
 
@@ -84,8 +85,8 @@ std::vector<double> complexities_of(const TetPoints& points, std::size_t num_tet
 }
 
 /// Weighed by complexity: what becomes few tets does not matter, however many it has now.
-double mean_quality(Peers& peers, const PlacedTets& placed, const TetPoints& points,
-                    std::span<const double> complexities) {
+std::vector<double> weighed_qualities(const PlacedTets& placed, const TetPoints& points,
+                                      std::span<const double> complexities) {
   std::vector<Point> x;
   std::vector<meshing::LogMetric> log_metrics;
   x.reserve(points.all().size());
@@ -102,8 +103,7 @@ double mean_quality(Peers& peers, const PlacedTets& placed, const TetPoints& poi
     for (std::size_t t = first; t < std::min(first + kLanes, weighed.size()); ++t)
       weighed[t] = complexities[t] * std::max(0.0, ratios[t - first]);
   });
-  const double all = ordered_sum(peers, complexities), sum = ordered_sum(peers, weighed);
-  return all > 0 ? sum / all : 0;
+  return weighed;
 }
 
 meshing::Box box_of(Peers& peers, const TetPoints& points) {
@@ -129,8 +129,10 @@ Measured check_and_measure(Peers& peers, const MeshSlice& slice, const PlacedTet
                            const TetPoints& points) {
   throw_first(peers, find_inverted(slice, points));
   std::vector<double> complexities = complexities_of(points, slice.tets.size());
-  const double quality = mean_quality(peers, placed, points, complexities);
-  return {std::move(complexities), quality, box_of(peers, points)};
+  const std::vector<double> qualities = weighed_qualities(placed, points, complexities);
+  const std::array<std::span<const double>, 2> lists = {complexities, qualities};
+  const std::vector<double> sums = ordered_sums(peers, lists);
+  return {std::move(complexities), sums[0], sums[0] > 0 ? sums[1] / sums[0] : 0, box_of(peers, points)};
 }
 
 /// M <- factor^(2/3) M.
@@ -314,14 +316,15 @@ void check_options(const DecompositionOptions& options) {
 Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptions& options) {
   check_options(options);
   check_same_arithmetic(peers);
-  const Ranges points(peers, slice.points.size()), tets(peers, slice.tets.size());
+  const std::vector<Ranges> ranges = Ranges::of_arrays(peers, {slice.points.size(), slice.tets.size()});
+  const Ranges &points = ranges[0], &tets = ranges[1];
   check_slices(peers, slice, points, tets);
   Distributed result;
   PlacedTets placed = partition::placed(slice.tets);
   std::optional<TetPoints> tet_points(std::in_place, peers, slice, points, placed);
   Measured measured = check_and_measure(peers, slice, placed, *tet_points);
   result.mean_quality = measured.mean_quality;
-  result.complexity = ordered_sum(peers, measured.complexities);
+  result.complexity = measured.complexity;
   double factor = 1;
   if (options.target_complexity > 0 && result.complexity > 0) {
     factor = options.target_complexity / result.complexity;

@@ -31,10 +31,10 @@ struct Group {
 }  // namespace
 
 void CommonFile::create(Peers& peers) {
-  agree_on(peers, [&] {
-    if (peers.rank() == 0) file_ = std::make_unique<meshing::AtomicFile>(name_);
+  temporary_ = text_of_first_or_throw(peers, [&] {
+    file_ = std::make_unique<meshing::AtomicFile>(name_);
+    return file_->temporary().string();
   });
-  temporary_ = text_of_first(peers, file_ ? file_->temporary().string() : "");
   writes_ = Group(peers).first == peers.rank();
 }
 

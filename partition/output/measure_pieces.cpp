@@ -12,10 +12,10 @@
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/mesh/tet_tables.h"
 #include "meshing/metric/measure_totals.h"
-#include "partition/communication/home_rank.h"
 #include "partition/communication/reduce.h"
 #include "partition/communication/select.h"
 #include "partition/output/piece_share.h"
+#include "partition/output/undecided.h"
 
 namespace weft::partition {
 namespace {
@@ -87,84 +87,48 @@ void find_edges_of_part(const Flags& flags, PieceMeasures& piece) {
     }
 }
 
-/// Flags of entities of one piece that others may have too, each asked for at its home.
-template <std::size_t N>
-class Undecided {
- public:
-  void add(const EntityKey<N>& key, const MeshPiece& piece, std::uint8_t& flag) {
-    holdings_.push_back({sorted_key<N>(key), piece.subdomain.value});
-    flags_.push_back(&flag);
-  }
-  /// All ranks: sets the flags of all pieces, to 0 where a lower subdomain has added the entity too.
-  static void decide(Peers& peers, std::vector<Undecided> of_pieces) {
-    Undecided all;
-    for (Undecided& piece : of_pieces) {
-      all.holdings_.insert(all.holdings_.end(), piece.holdings_.begin(), piece.holdings_.end());
-      all.flags_.insert(all.flags_.end(), piece.flags_.begin(), piece.flags_.end());
-      piece = {};
-    }
-    const Flags lowest = held_by_no_lower<N>(peers, all.holdings_);
-    for (std::size_t i = 0; i < lowest.size(); ++i) *all.flags_[i] = lowest[i];
-  }
+enum MeasuredKind : std::uint64_t { kEdgeOfWhole, kEdgeOfPart, kVertexOfPart };
 
- private:
-  std::vector<Holding<N>> holdings_;
-  std::vector<std::uint8_t*> flags_;
-};
-
-/// Asks which edges with two shared ends a lower subdomain measures too. Who has an edge with a flagged end
-/// has it in the part.
-void divide_edges(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags,
-                  std::vector<PieceMeasures>& pieces) {
-  std::vector<Undecided<2>> of_whole(mine.size()), of_part(mine.size());
-  meshing::for_each_large(mine.size(), [&](std::size_t p) {
-    PieceMeasures& piece = pieces[p];
-    const Flags shared = shared_flags(mine[p]);
-    piece.of_whole.assign(piece.edges.others.size(), 1);
-    piece.of_part = piece.in_part;
-    for (std::size_t v = 0; v < shared.size(); ++v) {
-      if (!shared[v]) continue;
-      for (std::size_t e = piece.edges.begins[v]; e < piece.edges.begins[v + 1]; ++e) {
-        const std::uint32_t w = piece.edges.others[e];
-        if (!shared[w]) continue;
-        const EntityKey<2> ends{mine[p].ids[v], mine[p].ids[w]};
-        of_whole[p].add(ends, mine[p], piece.of_whole[e]);
-        if (!piece.part.empty() && piece.in_part[e] && !(flags[p][v] | flags[p][w]))
-          of_part[p].add(ends, mine[p], piece.of_part[e]);
-      }
+/// Which edges with two shared ends a lower subdomain measures too is not known here. Who has an edge with a
+/// flagged end has it in the part.
+void begin_edges(const MeshPiece& mine, const Flags& flags, PieceMeasures& piece, Undecided<2>& undecided) {
+  const Flags shared = shared_flags(mine);
+  piece.of_whole.assign(piece.edges.others.size(), 1);
+  piece.of_part = piece.in_part;
+  for (std::size_t v = 0; v < shared.size(); ++v) {
+    if (!shared[v]) continue;
+    for (std::size_t e = piece.edges.begins[v]; e < piece.edges.begins[v + 1]; ++e) {
+      const std::uint32_t w = piece.edges.others[e];
+      if (!shared[w]) continue;
+      const EntityKey<2> ends = sorted_key<2>({mine.ids[v], mine.ids[w]});
+      undecided.add(kEdgeOfWhole, ends, mine.subdomain.value, piece.of_whole[e]);
+      if (!piece.part.empty() && piece.in_part[e] && !(flags[v] | flags[w]))
+        undecided.add(kEdgeOfPart, ends, mine.subdomain.value, piece.of_part[e]);
     }
-  });
-  Undecided<2>::decide(peers, std::move(of_whole));
-  Undecided<2>::decide(peers, std::move(of_part));
-  meshing::for_each_large(mine.size(), [&](std::size_t p) {
-    for (std::size_t v = 0; v < flags[p].size() && !pieces[p].part.empty(); ++v)
-      for (std::size_t e = pieces[p].edges.begins[v]; e < pieces[p].edges.begins[v + 1]; ++e)
-        if (flags[p][v] | flags[p][pieces[p].edges.others[e]]) pieces[p].of_part[e] = pieces[p].of_whole[e];
-  });
+  }
 }
 
-/// Counts the vertices of the part's tets, each in the lowest subdomain that has it there.
-void count_vertices_of_part(Peers& peers, std::span<const MeshPiece> mine,
-                            std::span<const PieceShare* const> shares, const VertexFlags& flags,
-                            std::vector<PieceMeasures>& pieces) {
-  std::vector<Undecided<1>> undecided(mine.size());
-  VertexFlags counted(mine.size());
-  meshing::for_each_large(mine.size(), [&](std::size_t p) {
-    counted[p].assign(flags[p].size(), 0);
-    for (const Tet& tet : pieces[p].part)
-      for (const std::uint32_t v : tet) counted[p][v] = 1;
-    const Flags shared = shared_flags(mine[p]);
-    for (std::size_t v = 0; v < shared.size(); ++v) {
-      if (!counted[p][v] || !shared[v]) continue;
-      if (flags[p][v])
-        counted[p][v] = shares[p]->points[v];
-      else
-        undecided[p].add({mine[p].ids[v]}, mine[p], counted[p][v]);
-    }
-  });
-  Undecided<1>::decide(peers, std::move(undecided));
-  for (std::size_t p = 0; p < mine.size(); ++p)
-    pieces[p].part_counts.vertices = static_cast<std::uint64_t>(std::ranges::count(counted[p], 1));
+/// What has been decided of the whole is decided of the part, too.
+void end_edges(const Flags& flags, PieceMeasures& piece) {
+  for (std::size_t v = 0; v < flags.size() && !piece.part.empty(); ++v)
+    for (std::size_t e = piece.edges.begins[v]; e < piece.edges.begins[v + 1]; ++e)
+      if (flags[v] | flags[piece.edges.others[e]]) piece.of_part[e] = piece.of_whole[e];
+}
+
+/// Marks the vertices of the part's tets, in the lowest subdomain that has them there.
+void begin_vertices_of_part(const MeshPiece& mine, const PieceShare& share, const Flags& flags,
+                            const PieceMeasures& piece, Flags& counted, Undecided<2>& undecided) {
+  counted.assign(flags.size(), 0);
+  for (const Tet& tet : piece.part)
+    for (const std::uint32_t v : tet) counted[v] = 1;
+  const Flags shared = shared_flags(mine);
+  for (std::size_t v = 0; v < shared.size(); ++v) {
+    if (!counted[v] || !shared[v]) continue;
+    if (flags[v])
+      counted[v] = share.points[v];
+    else
+      undecided.add(kVertexOfPart, EntityKey<1>{mine.ids[v]}, mine.subdomain.value, counted[v]);
+  }
 }
 
 /// What one piece shows by itself.
@@ -189,10 +153,18 @@ std::vector<PieceMeasures> look_at(Peers& peers, std::span<const MeshPiece> mine
   std::vector<const PieceShare*> shares;
   for (std::size_t p = 0; p < mine.size(); ++p)
     shares.push_back(numbering ? &numbering->pieces[p].share : &found[p]);
-  meshing::for_each_large(mine.size(),
-                          [&](std::size_t p) { pieces[p] = look_at(mine[p].mesh, *shares[p], flags[p]); });
-  count_vertices_of_part(peers, mine, shares, flags, pieces);
-  divide_edges(peers, mine, flags, pieces);
+  VertexFlags counted(mine.size());
+  std::vector<Undecided<2>> undecided(mine.size());
+  meshing::for_each_large(mine.size(), [&](std::size_t p) {
+    pieces[p] = look_at(mine[p].mesh, *shares[p], flags[p]);
+    begin_vertices_of_part(mine[p], *shares[p], flags[p], pieces[p], counted[p], undecided[p]);
+    begin_edges(mine[p], flags[p], pieces[p], undecided[p]);
+  });
+  Undecided<2>::decide(peers, std::move(undecided));
+  meshing::for_each_large(mine.size(), [&](std::size_t p) {
+    pieces[p].part_counts.vertices = static_cast<std::uint64_t>(std::ranges::count(counted[p], 1));
+    end_edges(flags[p], pieces[p]);
+  });
   return pieces;
 }
 

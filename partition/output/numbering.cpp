@@ -7,6 +7,8 @@
 #include <string>
 #include <unordered_map>
 
+#include "meshing/base/parallel.h"
+#include "meshing/base/release.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/home_rank.h"
 
@@ -69,13 +71,18 @@ struct SubdomainCounts {
   MeshCounts counts;
 };
 
-/// Fills totals and the first numbers of the pieces here.
+/// Fills totals and the first numbers of the pieces here. Refuses two pieces of one subdomain: all ranks see
+/// them.
 void sum_counts(Peers& peers, std::span<const MeshPiece> mine, Numbering& numbering) {
-  std::vector<SubdomainCounts> here;
-  for (std::size_t p = 0; p < mine.size(); ++p)
-    here.push_back({mine[p].subdomain.value, own_counts(mine[p].mesh, numbering.pieces[p].share)});
+  std::vector<SubdomainCounts> here(mine.size());
+  meshing::for_each_large(mine.size(), [&](std::size_t p) {
+    here[p] = {mine[p].subdomain.value, own_counts(mine[p].mesh, numbering.pieces[p].share)};
+  });
   std::vector<SubdomainCounts> all = allgather_joined(peers, here);
   std::ranges::sort(all, {}, &SubdomainCounts::subdomain);
+  const auto twin = std::ranges::adjacent_find(all, {}, &SubdomainCounts::subdomain);
+  if (twin != all.end())
+    throw_issue("subdomain " + std::to_string(twin->subdomain) + ": there are two pieces of it");
   std::unordered_map<std::uint64_t, MeshCounts> firsts;
   for (const SubdomainCounts& part : all) {
     firsts[part.subdomain] = numbering.totals;
@@ -83,16 +90,6 @@ void sum_counts(Peers& peers, std::span<const MeshPiece> mine, Numbering& number
   }
   for (std::size_t p = 0; p < mine.size(); ++p)
     numbering.pieces[p].first = firsts.at(mine[p].subdomain.value);
-}
-
-void refuse_twins(Peers& peers, std::span<const MeshPiece> mine) {
-  std::vector<std::uint64_t> here;
-  for (const MeshPiece& piece : mine) here.push_back(piece.subdomain.value);
-  std::vector<std::uint64_t> all = allgather_joined(peers, here);
-  std::ranges::sort(all);
-  const auto twin = std::ranges::adjacent_find(all);
-  agree(peers,
-        twin == all.end() ? "" : "subdomain " + std::to_string(*twin) + ": there are two pieces of it");
 }
 
 constexpr std::uint64_t kUnknown = ~std::uint64_t{0};
@@ -112,16 +109,19 @@ struct PointNumber {
 
 /// Brings the numbers of the vertices that others own.
 void number_others_points(Peers& peers, std::span<const MeshPiece> mine, std::vector<PieceNumbers>& pieces) {
-  Rendezvous<1, PointNumber> mail(peers.ranks());
-  std::vector<std::uint64_t*> places;
-  for (std::size_t p = 0; p < mine.size(); ++p) {
-    const std::vector<std::uint8_t> shared = shared_flags(mine[p]);
-    for (std::size_t v = 0; v < shared.size(); ++v) {
-      if (!shared[v]) continue;
-      mail.add({{mine[p].ids[v]}, pieces[p].points[v]});
-      places.push_back(&pieces[p].points[v]);
+  std::vector<std::vector<std::uint32_t>> shared(mine.size());  // vertices of each piece
+  std::vector<std::vector<PointNumber>> records(mine.size());
+  meshing::for_each_large(mine.size(), [&](std::size_t p) {
+    const std::vector<std::uint8_t> flags = shared_flags(mine[p]);
+    for (std::uint32_t v = 0; v < flags.size(); ++v) {
+      if (!flags[v]) continue;
+      shared[p].push_back(v);
+      records[p].push_back({{mine[p].ids[v]}, pieces[p].points[v]});
     }
-  }
+  });
+  Rendezvous<1, PointNumber> mail(peers.ranks());
+  mail.add(std::vector<std::span<const PointNumber>>(records.begin(), records.end()));
+  meshing::release(records);
   const auto arrived = mail.deliver(peers);
   std::vector<std::vector<std::uint64_t>> answers(arrived.size());
   for (std::size_t r = 0; r < arrived.size(); ++r) answers[r].resize(arrived[r].size());
@@ -130,8 +130,13 @@ void number_others_points(Peers& peers, std::span<const MeshPiece> mine, std::ve
     for (const Arrival& at : copies) number = std::min(number, arrived[at.rank][at.index].number);
     for (const Arrival& at : copies) answers[at.rank][at.index] = number;
   });
-  const std::vector<std::uint64_t> mine_answered = mail.answer(peers, answers);
-  for (std::size_t i = 0; i < places.size(); ++i) *places[i] = mine_answered[i];
+  const std::vector<std::uint64_t> mine_answered = mail.answer(peers, std::move(answers));
+  std::vector<std::size_t> begins{0};  // of the pieces' answers
+  for (const auto& vertices : shared) begins.push_back(begins.back() + vertices.size());
+  meshing::for_each_large(mine.size(), [&](std::size_t p) {
+    for (std::size_t i = 0; i < shared[p].size(); ++i)
+      pieces[p].points[shared[p][i]] = mine_answered[begins[p] + i];
+  });
 }
 
 std::string issue_about_points(std::span<const MeshPiece> mine, const std::vector<PieceNumbers>& pieces) {
@@ -153,11 +158,10 @@ Numbering number_pieces(Peers& peers, std::span<const MeshPiece> mine) {
   std::string issue;
   for (const MeshPiece& piece : mine) issue = issue.empty() ? issue_about(piece) : issue;
   agree(peers, issue);
-  refuse_twins(peers, mine);
   Numbering numbering;
   for (PieceShare& share : shares_of(peers, mine)) numbering.pieces.push_back({std::move(share), {}, {}});
   sum_counts(peers, mine, numbering);
-  for (PieceNumbers& piece : numbering.pieces) number_own_points(piece);
+  meshing::for_each_large(mine.size(), [&](std::size_t p) { number_own_points(numbering.pieces[p]); });
   number_others_points(peers, mine, numbering.pieces);
   agree(peers, issue_about_points(mine, numbering.pieces));
   return numbering;

@@ -171,33 +171,29 @@ class CommonMesh {
   meshing::PartPlaces places_;
 };
 
-/// All ranks: a .solb or .sol of metrics or of fields of these kinds; nothing without a name, and for no
-/// fields. `own`: the values of the vertices that a piece owns.
-std::optional<GmfOutput> solution_output(Peers& peers, const Share& share, const std::filesystem::path& name,
+/// A .solb or .sol of metrics or of fields of these kinds; nothing without a name, and for no fields. `own`:
+/// the values of the vertices that a piece owns.
+std::optional<GmfOutput> solution_output(const Share& share, const std::filesystem::path& name,
                                          const meshing::SolutionData& kinds,
                                          const std::function<meshing::SolutionData(std::size_t)>& own,
                                          int version) {
   if (name.empty() || kinds.fields.empty()) return std::nullopt;
   std::vector<meshing::Field::Kind> of_fields;
   for (const meshing::Field& field : kinds.fields) of_fields.push_back(field.kind);
-  std::optional<GmfPlan> plan;
-  agree_on(peers,
-           [&] { plan = GmfPlan::of_solution(name, share.numbering.totals.points, of_fields, version); });
+  GmfPlan plan = GmfPlan::of_solution(name, share.numbering.totals.points, of_fields, version);
   std::vector<GmfPart> parts;
   for (std::size_t p = 0; p < share.pieces.size(); ++p)
     parts.push_back({share.pieces[p].subdomain.value, [&share, own, p](GmfSliceWriter& out) {
                        out.solution(share.numbering.pieces[p].first.points, own(p));
                      }});
-  return GmfOutput(name, *plan, std::move(parts));
+  return GmfOutput(name, std::move(plan), std::move(parts));
 }
 
 /// All ranks: the mesh itself as GMF.
 GmfOutput mesh_output(Peers& peers, const Share& share, const std::filesystem::path& name,
                       const meshing::Association& carried, int version) {
   const MeshCounts counts = with_model(peers, share.numbering.totals, carried, is_text(name));
-  std::optional<GmfPlan> plan;
-  agree_on(peers, [&] { plan = GmfPlan::of_mesh(name, counts, version); });
-  return {name, *plan, gmf_parts(share, carried)};
+  return {name, GmfPlan::of_mesh(name, counts, version), gmf_parts(share, carried)};
 }
 
 }  // namespace
@@ -226,13 +222,13 @@ struct PiecesOutput::Files {
       mesh.emplace<CommonMesh>(peers, share, name, names);
     }
   }
-  void begin_solutions(Peers& peers, const std::filesystem::path& solution, int version) {
+  void begin_solutions(const std::filesystem::path& solution, int version) {
     metrics = solution_output(
-        peers, share, solution, meshing::solution_from_metric({}),
+        share, solution, meshing::solution_from_metric({}),
         [this](std::size_t p) { return own_metrics(share.pieces[p], share.numbering.pieces[p]); }, version);
     fields = solution_output(
-        peers, share, share.fields.file, share.fields.kinds,
-        [this](std::size_t p) { return own_fields(share, p); }, version);
+        share, share.fields.file, share.fields.kinds, [this](std::size_t p) { return own_fields(share, p); },
+        version);
   }
 
   template <class Action>
@@ -260,7 +256,7 @@ PiecesOutput::PiecesOutput(Peers& peers, std::span<const MeshPiece> mine, const 
                            const PieceFields& fields)
     : files_(std::make_unique<Files>(Share{peers.rank() == 0, mine, numbering, fields}, mesh)) {
   files_->begin_mesh(peers, carried, version, names);
-  files_->begin_solutions(peers, solution, version);
+  files_->begin_solutions(solution, version);
   files_->for_each([&](auto& file) { file.create(peers); });
 }
 

@@ -84,67 +84,76 @@ class Checks {
   std::optional<InputIssue> first_;
 };
 
-/// All ranks: sizes of the whole mesh where they do not fit, else those of this rank.
-void check_sizes(Peers& peers, const MeshSlice& slice, Checks& checks) {
+/// All ranks: where everything lies.
+struct SliceRanges {
+  Ranges triangles, edges, ridges, required_edges, required_triangles;
+};
+
+SliceRanges ranges_of(Peers& peers, const MeshData& m) {
+  const std::vector<Ranges> r =
+      Ranges::of_arrays(peers, {m.triangles.size(), m.edges.size(), m.ridges.size(), m.required_edges.size(),
+                                m.required_triangles.size()});
+  return {r[0], r[1], r[2], r[3], r[4]};
+}
+
+/// Sizes of the whole mesh where they do not fit, else those of this rank. `all_refs`: of all ranks.
+void check_sizes(const MeshSlice& slice, const std::vector<std::uint64_t>& refs,
+                 const std::vector<std::uint64_t>& all_refs, Checks& checks) {
   const MeshData& m = slice.boundary;
-  const std::vector<std::uint64_t> refs = {slice.point_refs.size(), slice.tet_refs.size(),
-                                           m.triangle_refs.size(), m.edge_refs.size()};
   const std::vector<std::uint64_t> here = {slice.points.size(), slice.tets.size(), m.triangles.size(),
                                            m.edges.size()};
   const std::vector<std::uint64_t> all = {slice.num_points, slice.num_tets, slice.num_triangles,
                                           slice.num_edges};
-  const std::vector<std::uint64_t> all_refs = partition::sum(peers, refs);
   const char* const names[] = {"vertices", "tets", "triangles", "edges"};
   for (std::size_t i = 0; i < all.size(); ++i)
     all_refs[i] != all[i] ? checks.size(names[i], all_refs[i], all[i])
                           : checks.size(names[i], refs[i], here[i]);
 }
 
-/// All ranks.
-void check_boundary(Peers& peers, const MeshSlice& slice, Checks& checks) {
+void check_boundary(int rank, const MeshSlice& slice, const SliceRanges& ranges, Checks& checks) {
   const MeshData& m = slice.boundary;
-  const auto first = [&](const std::vector<std::uint32_t>& list) {
-    return Ranges(peers, list.size()).first(peers.rank());
-  };
   checks.vertices(kTriangles, "triangle", slice.first_triangle, m.triangles);
   checks.vertices(kEdges, "edge", slice.first_edge, m.edges);
   checks.list(kCorners, "corner", "vertex", 0, m.corners, slice.num_points);
   checks.list(kRequiredPoints, "required vertex", "vertex", 0, m.required_points, slice.num_points);
-  checks.list(kRidges, "ridge", "edge", first(m.ridges), m.ridges, slice.num_edges);
-  checks.list(kRequiredEdges, "required edge", "edge", first(m.required_edges), m.required_edges,
+  checks.list(kRidges, "ridge", "edge", ranges.ridges.first(rank), m.ridges, slice.num_edges);
+  checks.list(kRequiredEdges, "required edge", "edge", ranges.required_edges.first(rank), m.required_edges,
               slice.num_edges);
-  checks.list(kRequiredTriangles, "required triangle", "triangle", first(m.required_triangles),
+  checks.list(kRequiredTriangles, "required triangle", "triangle", ranges.required_triangles.first(rank),
               m.required_triangles, slice.num_triangles);
 }
 
-/// Decided alike on all ranks.
-void check_shares(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets,
-                  SliceMetric metric) {
-  const Ranges triangles(peers, slice.boundary.triangles.size()), edges(peers, slice.boundary.edges.size());
+/// Whether this rank's share is where it says.
+bool share_fits(int rank, const MeshSlice& slice, const Ranges& points, const Ranges& tets,
+                const SliceRanges& boundary, SliceMetric metric) {
   const auto fits = [&](const Ranges& ranges, std::uint64_t total, std::uint64_t first) {
-    return ranges.total() == total && ranges.first(peers.rank()) == first;
+    return ranges.total() == total && ranges.first(rank) == first;
   };
-  const bool mine = fits(points, slice.num_points, slice.first_point) &&
-                    fits(tets, slice.num_tets, slice.first_tet) &&
-                    fits(triangles, slice.num_triangles, slice.first_triangle) &&
-                    fits(edges, slice.num_edges, slice.first_edge) &&
-                    (slice.log_metrics.size() == slice.points.size() ||
-                     (metric == SliceMetric::missing && slice.log_metrics.empty()));
-  for (const auto& good : allgather(peers, std::vector<char>{mine}))
-    if (!good[0]) throw std::invalid_argument("the ranks' shares do not make up the mesh");
+  return fits(points, slice.num_points, slice.first_point) && fits(tets, slice.num_tets, slice.first_tet) &&
+         fits(boundary.triangles, slice.num_triangles, slice.first_triangle) &&
+         fits(boundary.edges, slice.num_edges, slice.first_edge) &&
+         (slice.log_metrics.size() == slice.points.size() ||
+          (metric == SliceMetric::missing && slice.log_metrics.empty()));
 }
 
 }  // namespace
 
 void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets,
                   SliceMetric metric) {
-  check_shares(peers, slice, points, tets, metric);
+  const MeshData& m = slice.boundary;
+  const SliceRanges boundary = ranges_of(peers, m);
+  const std::vector<std::uint64_t> refs = {slice.point_refs.size(), slice.tet_refs.size(),
+                                           m.triangle_refs.size(), m.edge_refs.size()};
+  std::vector<std::uint64_t> told = refs;
+  told.push_back(share_fits(peers.rank(), slice, points, tets, boundary, metric) ? 0 : 1);
+  told = partition::sum(peers, told);
+  if (told.back() > 0) throw std::invalid_argument("the ranks' shares do not make up the mesh");
   Checks checks(slice.num_points);
-  check_sizes(peers, slice, checks);
+  check_sizes(slice, refs, told, checks);
   checks.finite(slice.first_point, slice.points);
   checks.densities(slice.first_point, slice.log_metrics);
   checks.vertices(kTets, "tet", slice.first_tet, slice.tets);
-  check_boundary(peers, slice, checks);
+  check_boundary(peers.rank(), slice, boundary, checks);
   if (slice.num_tets == 0) checks.add(kNoTets, "Tetrahedra", "the mesh has none");
   throw_first(peers, checks.first());
 }

@@ -30,7 +30,7 @@ std::vector<std::vector<Holding<2>>> some_holdings(int ranks, std::uint64_t enti
 
 TEST(HeldByNoLower, IsWhatTheLowestSubdomainHears) {
   for (const int ranks : support::kNumbersOfRanks)
-    for (const std::uint64_t entities : {0, 1, 7, 1000}) {
+    for (const std::uint64_t entities : {0, 1, 7, 1000, 20'000}) {
       const auto of_ranks = some_holdings(ranks, entities, static_cast<unsigned>(ranks));
       std::map<EntityKey<2>, std::uint64_t> lowest;
       for (const auto& mine : of_ranks)
@@ -42,7 +42,8 @@ TEST(HeldByNoLower, IsWhatTheLowestSubdomainHears) {
         const auto& mine = of_ranks[static_cast<std::size_t>(peers.rank())];
         std::vector<std::uint8_t> expected;
         for (const Holding<2>& h : mine) expected.push_back(h.subdomain == lowest.at(h.key));
-        EXPECT_EQ(held_by_no_lower<2>(peers, mine), expected);
+        const auto middle = mine.begin() + static_cast<std::ptrdiff_t>(mine.size() / 3);
+        EXPECT_EQ(held_by_no_lower<2>(peers, {{mine.begin(), middle}, {}, {middle, mine.end()}}), expected);
       });
     }
 }

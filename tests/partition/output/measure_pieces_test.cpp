@@ -11,6 +11,8 @@
 #include <optional>
 
 #include "partition/communication/select.h"
+#include "partition/output/numbering.h"
+#include "tests/partition/communication/counting_peers.h"
 #include "tests/partition/output/piece_support.h"
 
 namespace weft::partition::measure_pieces_test {
@@ -134,6 +136,21 @@ TEST(MeasurePieces, OfFlaggedVerticesAreThoseOfTheirTetsAlone) {
       expect_same(measure_on(ranks, cut.pieces, flag), expected);
     }
   }
+}
+
+TEST(MeasurePieces, TakesAsFewExchangesHoweverManyKindsOfEntitiesAreShared) {
+  const CutMesh cut = random_cut(6);
+  const auto hands = deal(cut.pieces, 4);
+  run_on_ranks(4, [&](Peers& peers) {
+    support::CountingPeers numbered(peers), measured(peers);
+    const std::vector<MeshPiece>& mine = hands[static_cast<std::size_t>(peers.rank())];
+    const Numbering numbering = number_pieces(numbered, mine);
+    EXPECT_LE(numbered.exchanges, 7u);
+    VertexFlags flags;
+    for (const MeshPiece& piece : mine) flags.emplace_back(piece.mesh.points.size(), 1);
+    measure_pieces(measured, mine, flags, &numbering);
+    EXPECT_LE(measured.exchanges, 8u);
+  });
 }
 
 TEST(MeasurePieces, OfNoTetsAreZero) {
