@@ -26,17 +26,6 @@ double six_volume_of(const MeshData& mesh, std::size_t t) {
   return std::max(0.0, six_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]));
 }
 
-void read(const ValueTable& table, const std::array<std::uint32_t, 4>& tet, const std::array<double, 4>& at,
-          double* to) {
-  for (std::size_t c = 0; c < table.columns; ++c) {
-    double sum = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      // A weight of zero keeps out what it multiplies, be it infinite.
-      if (at[i] > 0) sum += at[i] * table.values[tet[i] * table.columns + c];
-    to[c] = sum;
-  }
-}
-
 bool is_outside(const MeshData& mesh, const TetLocator::Place& place) {
   constexpr double kRounding = 1e-12;  // of the square of a tet's size
   const auto& tet = mesh.tets[place.tet];
@@ -46,6 +35,17 @@ bool is_outside(const MeshData& mesh, const TetLocator::Place& place) {
 std::size_t width(const Field& field) { return static_cast<std::size_t>(components(field.kind)); }
 
 }  // namespace
+
+void read_at(const TetLocator::Place& place, const std::array<std::uint32_t, 4>& tet, const ValueTable& table,
+             double* values) {
+  for (std::size_t c = 0; c < table.columns; ++c) {
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      // A weight of zero keeps out what it multiplies, be it infinite.
+      if (place.at[i] > 0) sum += place.at[i] * table.values[tet[i] * table.columns + c];
+    values[c] = sum;
+  }
+}
 
 void check_volumes(const MeshData& mesh) {
   const std::size_t bad = find_first(mesh.tets.size(), [&](std::size_t t) { return !is_positive(mesh, t); });
@@ -116,7 +116,7 @@ ValuesAt interpolate(const TetLocator& from, const ValueTable& table, std::span<
       result.places[v] = hint = place.tet;
       result.distances[v] = std::sqrt(place.distance2);
       result.outside[v] = is_outside(from.mesh(), place);
-      read(table, from.mesh().tets[place.tet], place.at, result.table.values.data() + v * table.columns);
+      read_at(place, from.mesh().tets[place.tet], table, result.table.values.data() + v * table.columns);
     }
   });
   return result;

@@ -1,6 +1,7 @@
 // Fields of one mesh at the vertices of another.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -34,6 +35,9 @@ struct ValuesAt {
 Interpolation interpolate(const MeshData& from, const SolutionData& fields, const MeshData& to);
 /// The same for values at the vertices of the mesh in which points are located.
 ValuesAt interpolate(const TetLocator& from, const ValueTable& table, std::span<const Point> points);
+/// The value of each column at `place`, whose tet has these vertices.
+void read_at(const TetLocator::Place& place, const std::array<std::uint32_t, 4>& tet, const ValueTable& table,
+             double* values);
 /// Throws InputError naming the first tet (1-based) that has no volume or is inverted.
 void check_volumes(const MeshData& mesh);
 /// To interpolate from. Throws as interpolate() does.

@@ -6,6 +6,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/value_table.h"
+#include "meshing/fields/interpolate.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_domain.h"
 
@@ -15,23 +16,23 @@ namespace weft::meshing {
 /// place: what a part of one needs of the other comes from there. All parts call the functions together.
 class MeshPair {
  public:
-  /// From the old mesh to the new one, or back.
-  enum class Way { onto_new, back };
-
   virtual ~MeshPair() = default;
   virtual const MetricDomain& old_mesh() const = 0;
   virtual const MetricDomain& new_mesh() const = 0;
 
-  /// The tets of the one mesh about the part of the other: all that it overlaps or that are near. May have
+  /// The tets of the old mesh about the part of the new one: all that it overlaps or that are near. May have
   /// none where that part has no points.
-  virtual const MeshData& source(Way way) const = 0;
-  /// Values at the vertices of the part that is the source's, at those of the source.
-  virtual ValueTable at_source(Way way, const ValueTable& at_part) const = 0;
-  /// Whether tets at these distances from the points of the other part may be missing in the source; it is
-  /// larger then. Infinity: the source has no tets.
-  virtual bool widen(Way way, std::span<const double> distances) = 0;
+  virtual const MeshData& source() const = 0;
+  /// Values at the vertices of the part of the old mesh, at those of the source.
+  virtual ValueTable at_source(const ValueTable& at_old) const = 0;
+  /// Whether tets at these distances from the points of the new mesh's part may be missing in the source; it
+  /// is larger then. Infinity: the source has no tets.
+  virtual bool widen(std::span<const double> distances) = 0;
   /// Nobody looks at the source any more, before it is asked for anew.
-  virtual void release_source(Way) {}
+  virtual void release_source() {}
+
+  /// Values at the vertices of the part of the new mesh, read at those of the part of the old one.
+  virtual ValueTable read_back(const ValueTable& at_new) const = 0;
 };
 
 /// A fault of the new mesh; any other InputError is of the old one.
@@ -59,9 +60,12 @@ class WholePair final : public MeshPair {
 
   const MetricDomain& old_mesh() const override { return old_; }
   const MetricDomain& new_mesh() const override { return new_; }
-  const MeshData& source(Way way) const override { return (way == Way::back ? new_ : old_).mesh(); }
-  ValueTable at_source(Way, const ValueTable& at_part) const override { return at_part; }
-  bool widen(Way, std::span<const double>) override { return false; }
+  const MeshData& source() const override { return old_.mesh(); }
+  ValueTable at_source(const ValueTable& at_old) const override { return at_old; }
+  bool widen(std::span<const double>) override { return false; }
+  ValueTable read_back(const ValueTable& at_new) const override {
+    return interpolate(locator_in(new_.mesh()), at_new, old_.mesh().points).table;
+  }
 
  private:
   WholeDomain old_, new_;

@@ -7,15 +7,15 @@
 
 namespace weft::meshing {
 
-Reading read(MeshPair& meshes, MeshPair::Way way, const ValueTable& at_part) {
-  const MetricDomain& to = way == MeshPair::Way::back ? meshes.old_mesh() : meshes.new_mesh();
+Reading read(MeshPair& meshes, const ValueTable& at_old) {
+  const MetricDomain& to = meshes.new_mesh();
   const std::span<const Point> points = to.mesh().points;
   for (;;) {
     Reading reading;
-    const MeshData& source = meshes.source(way);
-    reading.source = meshes.at_source(way, at_part);
+    const MeshData& source = meshes.source();
+    reading.source = meshes.at_source(at_old);
     if (points.empty()) {
-      reading.at.table.columns = at_part.columns;
+      reading.at.table.columns = at_old.columns;
     } else if (source.tets.empty()) {
       reading.at.distances.assign(points.size(), std::numeric_limits<double>::infinity());
       reading.at.outside.assign(points.size(), 1);
@@ -23,8 +23,8 @@ Reading read(MeshPair& meshes, MeshPair::Way way, const ValueTable& at_part) {
       reading.locator.reset(new TetLocator(locator_in(source)));
       reading.at = interpolate(*reading.locator, reading.source, points);
     }
-    if (meshes.widen(way, reading.at.distances)) continue;
-    to.refresh(at_part.columns, reading.at.table.values);
+    if (meshes.widen(reading.at.distances)) continue;
+    to.refresh(at_old.columns, reading.at.table.values);
     return reading;
   }
 }

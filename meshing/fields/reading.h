@@ -1,4 +1,4 @@
-// What a part of one mesh reads from the other mesh of a pair.
+// What a part of the new mesh of a pair reads from the old one.
 #pragma once
 
 #include <memory>
@@ -13,11 +13,11 @@ namespace weft::meshing {
 struct Reading {
   std::unique_ptr<const TetLocator> locator;  ///< of MeshPair::source; null: there is nothing to read
   ValueTable source;                          ///< at its vertices
-  ValuesAt at;  ///< at the vertices of the part that reads; places are tets of the source
+  ValuesAt at;  ///< at the vertices of the part of the new mesh; places are tets of the source
 };
 
-/// The values of one mesh, given at the vertices of its part, at those of the part of the other mesh: linear
+/// The values of the old mesh, given at the vertices of its part, at those of the part of the new one: linear
 /// in each tet, and beyond the mesh those of its closest point. All parts call together.
-Reading read(MeshPair& meshes, MeshPair::Way way, const ValueTable& at_part);
+Reading read(MeshPair& meshes, const ValueTable& at_old);
 
 }  // namespace weft::meshing

@@ -47,14 +47,21 @@ OnFaces closest_face(const std::array<Point, 4>& x, const Point& p) {
 
 }  // namespace
 
-TetLocator::TetLocator(const MeshData& mesh, Adjacency adjacency)
+TetLocator::TetLocator(const MeshData& mesh, Adjacency adjacency,
+                       const std::function<bool(std::uint32_t)>& may_be_cut)
     : mesh_(mesh), adjacency_(std::move(adjacency)) {
-  std::vector<ClosestForest::Item> faces;
+  std::vector<ClosestForest::Item> border, boundary;
   for (std::uint32_t t = 0; t < mesh_.tets.size(); ++t)
-    for (std::uint32_t f = 0; f < 4; ++f)
-      if (adjacency_.neighbours[t][f] == kNoNeighbour)
-        faces.push_back({box_of(corners_of_face(4 * t + f)), 4 * t + f});
-  root_ = boundary_.add(faces);
+    for (std::uint32_t f = 0; f < 4; ++f) {
+      if (adjacency_.neighbours[t][f] != kNoNeighbour) continue;
+      border.push_back({box_of(corners_of_face(4 * t + f)), 4 * t + f});
+      const auto at = [&](int i) { return mesh_.tets[t][static_cast<std::size_t>(i)]; };
+      if (may_be_cut && !std::ranges::all_of(kTetFaces[f], [&](int i) { return may_be_cut(at(i)); }))
+        boundary.push_back(border.back());
+    }
+  border_ = faces_.add(border);
+  if (!may_be_cut) boundary_ = border_;
+  if (!boundary.empty()) boundary_ = faces_.add(boundary);
 }
 
 std::array<Point, 4> TetLocator::corners_of(std::uint32_t tet) const {
@@ -115,12 +122,12 @@ bool TetLocator::walk(const Point& p, std::uint32_t& tet) const {
   return false;
 }
 
-/// A distance is not taken as less than that of the face's box, so that the tree leaves out nothing by
-/// rounding.
-TetLocator::BoundaryPoint TetLocator::closest_on_boundary(const Point& p) const {
+/// On the faces of a tree. A distance is not taken as less than that of the face's box, so that the
+/// tree leaves out nothing by rounding.
+TetLocator::BoundaryPoint TetLocator::closest(const Point& p, std::uint32_t root) const {
   BoundaryPoint best;
   best.distance2 = std::numeric_limits<double>::infinity();
-  boundary_.visit_within(root_, p, best.distance2, [&](std::uint32_t face) {
+  faces_.visit_within(root, p, best.distance2, [&](std::uint32_t face) {
     const std::array<Point, 3> x = corners_of_face(face);
     const TrianglePoint q = closest_point(x[0], x[1], x[2], p);
     const double distance2 = std::max(q.distance2, box_of(x).distance2(p));
@@ -152,7 +159,7 @@ std::uint32_t TetLocator::holder_near(const Point& p, const BoundaryPoint& close
     else if (closest_face(corners_of(tet), p).closest.distance2 <= limit * limit)
       pending.push_back(tet);
   };
-  boundary_.visit_within(root_, p, limit * limit, [&](std::uint32_t face) { look_at(face >> 2); });
+  faces_.visit_within(border_, p, limit * limit, [&](std::uint32_t face) { look_at(face >> 2); });
   while (holder == kNoHint && !pending.empty()) {
     const std::uint32_t tet = pending.back();
     pending.pop_back();
@@ -180,7 +187,7 @@ std::vector<std::uint32_t> TetLocator::holders_from(std::uint32_t tet, const Poi
       if (code != kNoNeighbour) {
         add(code >> 2);
       } else if (!std::exchange(at_boundary, true)) {
-        boundary_.visit_within(root_, p, 0, [&](std::uint32_t face) {
+        faces_.visit_within(border_, p, 0, [&](std::uint32_t face) {
           if (faces_with(face >> 2, p) != kOutside) add(face >> 2);
         });
       }
@@ -208,17 +215,19 @@ TetLocator::Place TetLocator::place_in(std::uint32_t tet, const Point& p) const 
   return {tet, l, 0, true};
 }
 
-TetLocator::Place TetLocator::on_boundary(const BoundaryPoint& closest) const {
-  return {closest.face >> 2, in_tet(closest.at, closest.face & 3), closest.distance2, false};
+TetLocator::Place TetLocator::beyond(const Point& p, const BoundaryPoint& border) const {
+  if (!boundary_) return {border.face >> 2, {}, std::numeric_limits<double>::infinity(), false};
+  const BoundaryPoint on = *boundary_ == border_ ? border : closest(p, *boundary_);
+  return {on.face >> 2, in_tet(on.at, on.face & 3), on.distance2, false, on.face & 3};
 }
 
 TetLocator::Place TetLocator::locate(const Point& p, std::uint32_t hint) const {
   std::uint32_t tet = hint == kNoHint ? 0 : hint;
   if (!walk(p, tet)) {
-    const BoundaryPoint closest = closest_on_boundary(p);
-    tet = closest.face >> 2;
-    if (!walk(p, tet)) tet = holder_near(p, closest);
-    if (tet == kNoHint) return on_boundary(closest);
+    const BoundaryPoint border = closest(p, border_);
+    tet = border.face >> 2;
+    if (!walk(p, tet)) tet = holder_near(p, border);
+    if (tet == kNoHint) return beyond(p, border);
   }
   if (faces_with(tet, p) == 0) return place_in(tet, p);
   const std::vector<std::uint32_t> holders = holders_from(tet, p);

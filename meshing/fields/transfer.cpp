@@ -126,8 +126,6 @@ std::vector<TensorColumns> append_eigenvalues(const MetricDomain& domain, Soluti
   return tensors;
 }
 
-using Way = MeshPair::Way;
-
 /// Replaces what was read by its projection and accounts for its bounds; false: was interrupted before.
 bool conserve(MeshPair& meshes, std::span<const double> wanted, const std::vector<TensorColumns>& tensors,
               Reading& reading, std::vector<ComponentAccount>& accounts) {
@@ -135,7 +133,7 @@ bool conserve(MeshPair& meshes, std::span<const double> wanted, const std::vecto
     reading.locator.reset();
     release(reading.source.values);
     release(reading.at.places);
-    meshes.release_source(Way::onto_new);
+    meshes.release_source();
   };
   const auto beyond = project(reading.locator.get(), reading.source, meshes.new_mesh(), reading.at.places,
                               wanted, tensors, reading.at.table, old_is_read);
@@ -182,19 +180,19 @@ Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod m
       conservative ? append_eigenvalues(meshes.old_mesh(), extended) : std::vector<TensorColumns>();
   const ValueTable old = packed(extended);
   const std::vector<double> before = integrals(meshes.old_mesh(), old);
-  Reading reading = read(meshes, Way::onto_new, old);
+  Reading reading = read(meshes, old);
   account_for_outside(meshes.new_mesh(), reading.at, result);
   if (conservative && conserve(meshes, before, tensors, reading, result.accounts)) result.method = method;
   const ValueTable carried = std::move(reading.at.table);
   reading = {};
-  meshes.release_source(Way::onto_new);
+  meshes.release_source();
   give_back_freed_memory();  // the way back may need the most of all
   const std::vector<double> after = integrals(meshes.new_mesh(), carried);
   for (std::size_t c = 0; c < result.accounts.size(); ++c) {
     result.accounts[c].integral_before = before[c];
     result.accounts[c].integral_after = after[c];
   }
-  account_differences(meshes.old_mesh(), old, read(meshes, Way::back, carried).at.table, result.accounts);
+  account_differences(meshes.old_mesh(), old, meshes.read_back(carried), result.accounts);
   for (const Field& field : fields.fields) result.fields.fields.push_back({field.kind, {}, field.name});
   unpack(carried, result.fields);
   return result;

@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <numeric>
-
-#include "meshing/base/box.h"
-
 namespace weft::meshing {
 namespace {
 
@@ -16,13 +13,12 @@ struct Extent {
 
 class Bisection {
  public:
-  Bisection(std::span<const Point> points, std::span<const std::array<std::uint32_t, 4>> tets,
-            std::size_t run)
-      : run_(run), order_(tets.size()) {
-    extents_.reserve(tets.size());
-    for (const auto& tet : tets) {
-      Box box;
-      for (const std::uint32_t v : tet) box.include(points[v]);
+  /// box_of(i) of `count` tets.
+  template <class BoxOf>
+  Bisection(std::size_t count, const BoxOf& box_of, std::size_t run) : run_(run), order_(count) {
+    extents_.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Box box = box_of(i);
       extents_.push_back({box.lo + box.hi, box.size()});
     }
     std::iota(order_.begin(), order_.end(), 0u);
@@ -76,7 +72,18 @@ class Bisection {
 std::vector<std::uint32_t> compact_order(std::span<const Point> points,
                                          std::span<const std::array<std::uint32_t, 4>> tets,
                                          std::size_t run) {
-  return Bisection(points, tets, run).run();
+  const auto box_of = [&](std::size_t t) {
+    Box box;
+    for (const std::uint32_t v : tets[t]) box.include(points[v]);
+    return box;
+  };
+  return Bisection(tets.size(), box_of, run).run();
+}
+
+std::vector<std::uint32_t> compact_order(std::span<const Box> boxes, std::size_t run) {
+  return Bisection(
+             boxes.size(), [&](std::size_t i) { return boxes[i]; }, run)
+      .run();
 }
 
 }  // namespace weft::meshing

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "meshing/base/box.h"
 #include "meshing/base/point.h"
 
 namespace weft::meshing {
@@ -16,5 +17,7 @@ namespace weft::meshing {
 /// alone.
 std::vector<std::uint32_t> compact_order(std::span<const Point> points,
                                          std::span<const std::array<std::uint32_t, 4>> tets, std::size_t run);
+/// The same of what these boxes are about.
+std::vector<std::uint32_t> compact_order(std::span<const Box> boxes, std::size_t run);
 
 }  // namespace weft::meshing

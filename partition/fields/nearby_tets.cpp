@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <ranges>
 #include <utility>
 
@@ -11,10 +10,9 @@
 #include "meshing/base/place_index.h"
 #include "meshing/base/release.h"
 #include "meshing/base/sort_unique.h"
-#include "meshing/mesh/compact_order.h"
-#include "partition/communication/morton_shares.h"
 #include "partition/fields/box_tree.h"
 #include "partition/fields/cell_homes.h"
+#include "partition/fields/surroundings.h"
 
 namespace weft::partition {
 namespace {
@@ -23,68 +21,16 @@ using meshing::Box;
 using meshing::MeshData;
 using meshing::Tet;
 
-Box box_of(const MeshData& mesh, const Tet& tet) {
-  Box box;
-  for (const std::uint32_t v : tet) box.include(mesh.points[v]);
-  return box;
-}
-
-/// A few points of the coarser mesh a cell.
-CellGrid common_grid(Peers& peers, const PartDomain& a, const PartDomain& b) {
-  constexpr double kPointsPerCell = 4;
-  const auto points = static_cast<double>(std::min(a.num_points(), b.num_points()));
-  Box mine;
-  for (const MeshData* mesh : {&a.mesh(), &b.mesh()})
-    for (const meshing::Point& p : mesh->points) mine.include(p);
-  return {common_box(peers, mine), points / kPointsPerCell};
-}
-
-/// What is around a part, in boxes of a few tets, or of a vertex without any; those that follow each other
-/// are near each other.
+/// What is around a part.
 std::vector<Box> boxes_around(const MeshData& mesh, std::span<const double> reach) {
   constexpr std::size_t kMost = 32768;  // each takes 48 bytes, and 96 in a tree
-  const std::size_t tets_of_box = mesh.tets.size() / kMost + 1;
-  const std::vector<std::uint32_t> order = meshing::compact_order(mesh.points, mesh.tets, tets_of_box);
+  std::vector<Box> boxes = boxes_of_tets(mesh, kMost, reach);
   std::vector<bool> has_tet(mesh.points.size(), false);
-  std::vector<Box> boxes;
-  for (std::size_t first = 0; first < order.size(); first += tets_of_box) {
-    Box box;
-    double farthest = 0;
-    for (std::size_t i = first; i < std::min(order.size(), first + tets_of_box); ++i)
-      for (const std::uint32_t v : mesh.tets[order[i]]) {
-        box.include(mesh.points[v]);
-        farthest = std::max(farthest, reach[v]);
-        has_tet[v] = true;
-      }
-    boxes.push_back(box.grown(farthest));
-  }
+  for (const Tet& tet : mesh.tets)
+    for (const std::uint32_t v : tet) has_tet[v] = true;
   for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
     if (!has_tet[v]) boxes.push_back(Box{mesh.points[v], mesh.points[v]}.grown(reach[v]));
   return boxes;
-}
-
-template <class Boxes>
-std::vector<std::uint32_t> cells_of(const CellGrid& grid, const Boxes& boxes) {
-  std::vector<bool> touched(grid.size(), false);
-  for (const Box& box : boxes) grid.for_each_cell(box, [&](std::uint32_t cell) { touched[cell] = true; });
-  std::vector<std::uint32_t> cells;
-  for (std::uint32_t cell = 0; cell < touched.size(); ++cell)
-    if (touched[cell]) cells.push_back(cell);
-  return cells;
-}
-
-/// All ranks: of the boxes around each rank that is asked, those that meet this rank's tets; none of others.
-std::vector<std::vector<Box>> ask_for_boxes(Peers& peers, std::span<const int> asked, const Box& of_tets,
-                                            std::span<const Box> around) {
-  std::vector<std::vector<Box>> questions(static_cast<std::size_t>(peers.ranks()));
-  for (const int rank : asked) questions[static_cast<std::size_t>(rank)].push_back(of_tets);
-  std::vector<std::vector<Box>> answers(questions.size());
-  questions = partition::all_to_all(peers, std::move(questions));
-  for (std::size_t r = 0; r < questions.size(); ++r)
-    for (const Box& question : questions[r])
-      std::ranges::copy_if(around, std::back_inserter(answers[r]),
-                           [&](const Box& box) { return box.meets(question); });
-  return partition::all_to_all(peers, std::move(answers));
 }
 
 /// Each tet of the mesh in parts is one rank's: that which owns its first vertex.

@@ -25,7 +25,6 @@ namespace {
 using meshing::Box;
 using meshing::Point;
 using meshing::Tet;
-using Way = meshing::MeshPair::Way;
 
 TetCorners corners_of(std::span<const Point> points, const Tet& t) {
   return {points[t[0]], points[t[1]], points[t[2]], points[t[3]]};
@@ -190,10 +189,10 @@ OwnBackground::OwnBackground(Peers& peers, MeshSlice&& background, MeshSlice& in
 std::vector<Tet> OwnBackground::places_of(PartPair& meshes, const MeshSlice& background,
                                           MeshSlice& input) const {
   const meshing::LogMetricField at_part = meshes.old_mesh().from_slices(background.log_metrics);
-  const meshing::Reading reading = meshing::read(meshes, Way::onto_new, table_of(at_part));
+  const meshing::Reading reading = meshing::read(meshes, table_of(at_part));
   input.log_metrics = meshes.new_mesh().to_slices(field_of(reading.at.table));
-  const std::vector<std::uint64_t>& numbers = meshes.source_numbers(Way::onto_new);
-  const meshing::MeshData& source = meshes.source(Way::onto_new);
+  const std::vector<std::uint64_t>& numbers = meshes.source_numbers();
+  const meshing::MeshData& source = meshes.source();
   std::vector<Tet> places;
   for (const std::uint32_t t : reading.at.places) {
     Tet& place = places.emplace_back();

@@ -11,13 +11,15 @@
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/peers.h"
 #include "partition/fields/nearby_tets.h"
+#include "partition/fields/read_at_vertices.h"
 #include "partition/metric/part_domain.h"
 #include "partition/slice/mesh_slice.h"
 
 namespace weft::partition {
 
-/// Both meshes are dealt out anew, what lies together, of either, to one rank; the tets of the other mesh
-/// about a part come to it. All ranks call every function together. What is carried has the same bits for any
+/// Both meshes are dealt out anew, what lies together, of either, to one rank; the tets of the old mesh about
+/// a part of the new one come to it, and points of the old one go to where the new one has tets, which are
+/// more. All ranks call every function together. What is carried has the same bits for any
 /// number of ranks.
 class PartPair final : public meshing::MeshPair {
  public:
@@ -27,32 +29,30 @@ class PartPair final : public meshing::MeshPair {
 
   const PartDomain& old_mesh() const override { return old_; }
   const PartDomain& new_mesh() const override { return new_; }
-  const meshing::MeshData& source(Way way) const override { return nearby(way).mesh(); }
-  meshing::ValueTable at_source(Way way, const meshing::ValueTable& at_part) const override {
-    return nearby(way).carry(at_part);
+  const meshing::MeshData& source() const override { return nearby().mesh(); }
+  meshing::ValueTable at_source(const meshing::ValueTable& at_old) const override {
+    return nearby().carry(at_old);
   }
-  bool widen(Way way, std::span<const double> distances) override;
-  void release_source(Way way) override { side(way).tets.reset(); }
+  bool widen(std::span<const double> distances) override;
+  void release_source() override { nearby_.reset(); }
+  meshing::ValueTable read_back(const meshing::ValueTable& at_new) const override {
+    return read_at_vertices(peers_, new_, at_new, old_, diameter_);
+  }
 
   /// Of the source's vertices, in the whole mesh.
-  const std::vector<std::uint64_t>& source_numbers(Way way) const { return nearby(way).numbers(); }
+  const std::vector<std::uint64_t>& source_numbers() const { return nearby().numbers(); }
 
  private:
   PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to, const MortonShares& shares,
            const std::atomic<bool>* interrupt);
 
-  /// The source, and how far it reaches from each vertex of the other part.
-  struct Side {
-    std::vector<double> reach;
-    mutable std::unique_ptr<const NearbyTets> tets;  ///< made when first asked for
-  };
-  const Side& side(Way way) const { return sides_[way == Way::back]; }
-  const NearbyTets& nearby(Way way) const;
+  const NearbyTets& nearby() const;
 
   Peers& peers_;
   PartDomain old_, new_;
-  double diameter_;  ///< of the box of both
-  Side sides_[2];
+  double diameter_;                                   ///< of the box of both
+  std::vector<double> reach_;                         ///< of the source, from each vertex of the new part
+  mutable std::unique_ptr<const NearbyTets> nearby_;  ///< made when first asked for
 };
 
 }  // namespace weft::partition
