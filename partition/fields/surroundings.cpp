@@ -43,9 +43,22 @@ Box grown_box_of(const MeshData& mesh, const meshing::Tet& tet, std::span<const 
 
 bool is_empty(const Box& box) { return box.lo.x > box.hi.x; }
 
-/// Appends what runs of boxes have together.
+double size_of(const Box& box) { return is_empty(box) ? 0 : norm2(box.size()); }
+
+/// The size that so many boxes exceed, or fewer of equal ones; 0: all do that are not empty.
+double size_of_largest(std::size_t count, std::span<const Box> boxes) {
+  if (count >= boxes.size()) return 0;
+  std::vector<double> sizes;
+  sizes.reserve(boxes.size());
+  for (const Box& box : boxes) sizes.push_back(size_of(box));
+  const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(count);
+  std::ranges::nth_element(sizes, at, std::greater());
+  return *at;
+}
+
+/// Appends what runs of boxes have together, at most `most` (1 and more).
 void add_united(std::span<const Box> boxes, std::size_t most, std::vector<Box>& united) {
-  const std::size_t run = boxes.size() / std::max<std::size_t>(1, most) + 1;
+  const std::size_t run = std::max<std::size_t>(1, (boxes.size() + most - 1) / most);
   const std::vector<std::uint32_t> order = meshing::compact_order(boxes, run);
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i % run == 0) united.emplace_back();
@@ -59,24 +72,15 @@ std::vector<Box> boxes_of_tets(const MeshData& mesh, std::size_t most, std::span
   std::vector<Box> at_vertex(mesh.points.size());  // of the tets that it is the first vertex of
   for (const meshing::Tet& tet : mesh.tets)
     at_vertex[std::ranges::min(tet)].unite(grown_box_of(mesh, tet, reach));
-  std::vector<double> sizes;
-  for (const Box& box : at_vertex) sizes.push_back(is_empty(box) ? 0 : norm2(box.size()));
-  const std::size_t large = std::min(most / 2 / kTetsOfVertex, sizes.size());
-  double limit = 0;
-  if (large < sizes.size()) {
-    std::vector<double> sorted = sizes;
-    std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(large), std::greater());
-    limit = sorted[large];
-  }
+  const double limit = size_of_largest(most / 2 / kTetsOfVertex, at_vertex);
+  const auto is_large = [&](const Box& box) { return size_of(box) > limit; };
   std::vector<Box> alone;
   for (const meshing::Tet& tet : mesh.tets)
-    if (sizes[std::ranges::min(tet)] > limit) alone.push_back(grown_box_of(mesh, tet, reach));
-  for (std::size_t v = 0; v < sizes.size(); ++v)
-    if (sizes[v] > limit) at_vertex[v] = {};
-  std::erase_if(at_vertex, is_empty);
+    if (is_large(at_vertex[std::ranges::min(tet)])) alone.push_back(grown_box_of(mesh, tet, reach));
+  std::erase_if(at_vertex, [&](const Box& box) { return is_empty(box) || is_large(box); });
   std::vector<Box> boxes;
-  add_united(alone, alone.size(), boxes);
-  add_united(at_vertex, most / 2, boxes);
+  add_united(alone, std::max<std::size_t>(1, alone.size()), boxes);
+  add_united(at_vertex, std::max<std::size_t>(1, most / 2), boxes);
   return boxes;
 }
 

@@ -32,10 +32,10 @@ std::vector<std::uint32_t> cells_of(const CellGrid& grid, const Boxes& boxes) {
   return cells;
 }
 
-/// About `most` boxes at most, half of them of a tet each, of the largest, the others of the tets at about
-/// equally many vertices; grown by the largest `reach` (of each vertex; none: 0) in them. Those that follow
-/// each other are near each other. (In a graded mesh a box of a few large tets would have the fine part in
-/// it.)
+/// About `most` boxes at most, half of them of a tet each, at the vertices that have the largest, the others
+/// of the tets at about equally many vertices; grown by the largest `reach` (of each vertex; none: 0) in
+/// them. Those that follow each other are near each other. (In a graded mesh a box of a few large tets would
+/// have the fine part in it.)
 std::vector<meshing::Box> boxes_of_tets(const meshing::MeshData& mesh, std::size_t most,
                                         std::span<const double> reach = {});
 

@@ -14,6 +14,7 @@
 #include "meshing/base/error.h"
 #include "partition/fields/box_tree.h"
 #include "partition/fields/part_pair.h"
+#include "partition/fields/surroundings.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/distribute/slices.h"
 #include "tests/support/meshes.h"
@@ -157,6 +158,23 @@ TEST(PartPair, OfGradedMeshesHasLittleMoreThanOverlaps) {
   };
   EXPECT_LT(sum(onto_new), 2.5 * static_cast<double>(from.tets.size()));
   EXPECT_LT(std::ranges::max(onto_new), 0.6 * static_cast<double>(from.tets.size()));
+}
+
+TEST(BoxesOfTets, AreFewAndHaveAllTets) {
+  const MeshData mesh = graded(12, 4);
+  for (const std::size_t most : {1, 2, 100, 2000, 100'000}) {
+    const std::vector<meshing::Box> boxes = boxes_of_tets(mesh, most);
+    EXPECT_LE(boxes.size(), 2 * most);
+    const auto inside = [](const meshing::Box& box, const meshing::Box& other) {
+      meshing::Box both = other;
+      both.unite(box);
+      return both.lo == other.lo && both.hi == other.hi;
+    };
+    for (const meshing::Tet& tet : mesh.tets) {
+      const meshing::Box box = box_of(mesh, tet);
+      EXPECT_TRUE(std::ranges::any_of(boxes, [&](const auto& b) { return inside(box, b); }));
+    }
+  }
 }
 
 TEST(BoxTree, MeetsWhatAnyBoxMeets) {
