@@ -56,24 +56,25 @@ struct Rows {
 
 /// Where this rank's shares of the lists of marks are among all.
 struct MarkRanges {
-  Ranges ridges, edges, triangles;
-
-  /// All ranks.
-  MarkRanges(Peers& peers, const MeshData& boundary)
-      : ridges(peers, boundary.ridges.size()),
-        edges(peers, boundary.required_edges.size()),
-        triangles(peers, boundary.required_triangles.size()) {}
+  Ranges corners, points, ridges, edges, triangles;
 };
 
+/// All ranks.
+MarkRanges mark_ranges(Peers& peers, const MeshData& b) {
+  const std::vector<Ranges> r =
+      Ranges::of_arrays(peers, {b.corners.size(), b.required_points.size(), b.ridges.size(),
+                                b.required_edges.size(), b.required_triangles.size()});
+  return {r[0], r[1], r[2], r[3], r[4]};
+}
+
 GmfPlan gmf_plan(const MeshSlice& slice, const MarkRanges& marks, const std::filesystem::path& file) {
-  const MeshData& b = slice.boundary;
   return GmfPlan::of_mesh(file, {.points = slice.num_points,
                                  .edges = slice.num_edges,
                                  .triangles = slice.num_triangles,
                                  .tets = slice.num_tets,
-                                 .corners = b.corners.size(),
+                                 .corners = marks.corners.total(),
                                  .ridges = marks.ridges.total(),
-                                 .required_points = b.required_points.size(),
+                                 .required_points = marks.points.total(),
                                  .required_edges = marks.edges.total(),
                                  .required_triangles = marks.triangles.total()});
 }
@@ -97,12 +98,11 @@ void write_gmf(const MeshSlice& slice, const MarkRanges& marks, int rank, GmfSli
   out.elements(gmf::kEdges, slice.first_edge, rows.edges, b.edge_refs);
   out.elements(gmf::kTriangles, slice.first_triangle, rows.triangles, b.triangle_refs);
   out.elements(gmf::kTetrahedra, slice.first_tet, rows.tets, slice.tet_refs);
+  out.indices(gmf::kCorners, marks.corners.first(rank), wide(b.corners));
+  out.indices(gmf::kRequiredVertices, marks.points.first(rank), wide(b.required_points));
   out.indices(gmf::kRidges, marks.ridges.first(rank), wide(b.ridges));
   out.indices(gmf::kRequiredEdges, marks.edges.first(rank), wide(b.required_edges));
   out.indices(gmf::kRequiredTriangles, marks.triangles.first(rank), wide(b.required_triangles));
-  if (rank != 0) return;
-  out.indices(gmf::kCorners, 0, wide(b.corners));
-  out.indices(gmf::kRequiredVertices, 0, wide(b.required_points));
 }
 
 /// All ranks: a GMF file, of which write(out) writes this rank's rows.
@@ -136,10 +136,11 @@ struct FirstRows {
   RefCounts tets, triangles, edges;
 };
 
-/// All ranks: the corners with their points, which their owners have.
+/// All ranks: all corners with their points, which their owners have.
 std::vector<WholeMesh::Corner> corners_of(Peers& peers, const MeshSlice& slice) {
   const Ranges points(peers, slice.points.size());
-  std::vector<std::uint32_t> numbers = slice.boundary.corners;
+  const std::vector<std::uint32_t> all = allgather_joined(peers, slice.boundary.corners);
+  std::vector<std::uint32_t> numbers = all;
   std::ranges::sort(numbers);
   struct Place {
     meshing::Point point;
@@ -149,7 +150,7 @@ std::vector<WholeMesh::Corner> corners_of(Peers& peers, const MeshSlice& slice) 
     return Place{slice.points[i], slice.point_refs[i]};
   });
   std::vector<WholeMesh::Corner> corners;
-  for (const std::uint32_t v : slice.boundary.corners) {
+  for (const std::uint32_t v : all) {
     const Place& at = places[meshing::place_in(numbers, v)];
     corners.push_back({v, at.point, static_cast<std::int32_t>(at.ref)});
   }
@@ -230,7 +231,7 @@ bool can_write_slices(const std::filesystem::path& mesh) {
 void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
                           const meshing::RefNames& names, const std::filesystem::path& file) {
   if (meshing::gmf::is_mesh(file)) {
-    const MarkRanges marks(peers, slice.boundary);
+    const MarkRanges marks = mark_ranges(peers, slice.boundary);
     std::optional<GmfPlan> plan;
     agree_on(peers, [&] { plan = gmf_plan(slice, marks, file); });
     return write_as_gmf(peers, file, *plan,

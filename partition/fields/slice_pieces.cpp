@@ -53,6 +53,7 @@ class PieceMaker {
         tets_(peers, slice.tets.size()),
         triangles_(peers, slice.boundary.triangles.size()),
         edges_(peers, slice.boundary.edges.size()),
+        corners_(peers, slice.boundary.corners.size()),
         first_points_(points_of_no_element()) {}
 
   /// All ranks: this one's piece; num_pieces: none.
@@ -64,8 +65,8 @@ class PieceMaker {
     fetch_elements(tets_, slice_.tets, slice_.tet_refs, mesh.tets, mesh.tet_refs);
     fetch_elements(triangles_, b.triangles, b.triangle_refs, mesh.triangles, mesh.triangle_refs);
     fetch_elements(edges_, b.edges, b.edge_refs, mesh.edges, mesh.edge_refs);
-    for (std::size_t i = begin(b.corners.size()); i < end(b.corners.size()); ++i)
-      mesh.corners.push_back(b.corners[i]);
+    mesh.corners =
+        fetch<std::uint32_t>(peers_, corners_, wanted(corners_), [&](std::size_t i) { return b.corners[i]; });
     number(mesh);
     fetch_points(contents);
     return contents;
@@ -102,16 +103,21 @@ class PieceMaker {
     return all_to_all_joined(peers_, std::move(to_first));
   }
 
+  /// The numbers of the piece's part.
+  std::vector<std::uint64_t> wanted(const Ranges& ranges) const {
+    std::vector<std::uint64_t> numbers(end(ranges.total()) - begin(ranges.total()));
+    std::iota(numbers.begin(), numbers.end(), begin(ranges.total()));
+    return numbers;
+  }
+
   /// All ranks: the piece's part of elements that ranks have in `ranges`, here `from`.
   template <std::size_t N>
   void fetch_elements(const Ranges& ranges, const std::vector<std::array<std::uint32_t, N>>& from,
                       const std::vector<std::int32_t>& from_refs,
                       std::vector<std::array<std::uint32_t, N>>& to, std::vector<std::int32_t>& to_refs) {
-    std::vector<std::uint64_t> wanted(end(ranges.total()) - begin(ranges.total()));
-    std::iota(wanted.begin(), wanted.end(), begin(ranges.total()));
     using Row = ElementRow<N>;
     const auto row_of = [&](std::size_t i) { return Row{from[i], from_refs[i]}; };
-    for (const Row& row : fetch<Row>(peers_, ranges, wanted, row_of)) {
+    for (const Row& row : fetch<Row>(peers_, ranges, wanted(ranges), row_of)) {
       to.push_back(row.vertices);
       to_refs.push_back(row.ref);
     }
@@ -165,7 +171,7 @@ class PieceMaker {
   const MeshSlice& slice_;
   const meshing::SolutionData& fields_;
   std::size_t num_pieces_;
-  Ranges points_, tets_, triangles_, edges_;
+  Ranges points_, tets_, triangles_, edges_, corners_;
   std::vector<std::uint32_t> first_points_;
   // Of the piece being made:
   std::size_t piece_ = 0;

@@ -19,6 +19,7 @@
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/surface/listed_entities.h"
+#include "partition/surface/listed_points.h"
 
 namespace weft::partition {
 namespace {
@@ -85,17 +86,13 @@ class GivenBoundary {
         fetch<std::int32_t>(peers_, points_, numbers, [&](std::size_t i) { return slice_.point_refs[i]; });
   }
 
-  /// Those of the slice, and the lists of points where they are.
+  /// Those of the slice, and which are listed.
   void own_points() {
     const std::uint64_t first = slice_.first_point, last = first + slice_.points.size();
     for (const std::uint32_t number : numbers_) piece_.own_points.push_back(number >= first && number < last);
-    const auto take_listed = [&](std::vector<std::uint32_t> list, std::vector<std::uint32_t>& taken) {
-      meshing::sort_unique(list);
-      for (const std::uint32_t number : list)
-        if (const std::uint32_t place = place_of(number); place != kNone) taken.push_back(place);
-    };
-    take_listed(slice_.boundary.corners, piece_.mesh.corners);
-    take_listed(slice_.boundary.required_points, piece_.mesh.required_points);
+    const std::vector<std::uint32_t> numbers(numbers_.begin(), numbers_.end());
+    take_listed_points(peers_, asked_at_home(peers_, numbers), listed_points_at_home(peers_, slice_.boundary),
+                       numbers, piece_.mesh);
   }
 
   /// Others have a point for their tets' sake, or for an edge's, which must have a tet as well.

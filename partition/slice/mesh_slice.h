@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "meshing/base/point.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/peers.h"
@@ -29,10 +31,10 @@ struct MeshSlice {
   std::vector<std::int32_t> tet_refs;
 
   std::uint64_t first_triangle = 0, first_edge = 0;  ///< numbers of boundary's in the whole mesh
-  /// The share of triangles and edges with their references, contiguous shares of the lists of ridges and of
-  /// required edges and triangles, shares of the records of vertices on a CAD model, and all corners and
-  /// required points; all of them, and vertices, by numbers in the whole mesh. No points and no tets. Given
-  /// up when it is completed (boundary_share.h).
+  /// The share of triangles and edges with their references, contiguous shares of the lists of corners,
+  /// ridges and what is required, and shares of the records of vertices on a CAD model; all of them, and
+  /// vertices, by numbers in the whole mesh. No points and no tets. Given up when it is completed
+  /// (boundary_share.h).
   meshing::MeshData boundary;
 };
 
@@ -43,6 +45,16 @@ inline void count_boundary(Peers& peers, MeshSlice& slice) {
   slice.num_edges = edges.total();
   slice.first_triangle = triangles.first(peers.rank());
   slice.first_edge = edges.first(peers.rank());
+}
+
+/// All ranks: the vertices on the ranks' lists, each once, ascending over the ranks: at who has its point.
+inline std::vector<std::uint32_t> each_at_its_point(Peers& peers, const Ranges& points,
+                                                    const std::vector<std::uint32_t>& list) {
+  std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (const std::uint32_t v : list) to_each[points.rank_of(v)].push_back(v);
+  std::vector<std::uint32_t> here = all_to_all_joined(peers, std::move(to_each));
+  meshing::sort_unique(here);
+  return here;
 }
 
 /// Points and tets alone, without references and metrics.

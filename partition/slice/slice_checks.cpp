@@ -86,14 +86,14 @@ class Checks {
 
 /// All ranks: where everything lies.
 struct SliceRanges {
-  Ranges triangles, edges, ridges, required_edges, required_triangles;
+  Ranges triangles, edges, corners, required_points, ridges, required_edges, required_triangles;
 };
 
 SliceRanges ranges_of(Peers& peers, const MeshData& m) {
-  const std::vector<Ranges> r =
-      Ranges::of_arrays(peers, {m.triangles.size(), m.edges.size(), m.ridges.size(), m.required_edges.size(),
-                                m.required_triangles.size()});
-  return {r[0], r[1], r[2], r[3], r[4]};
+  const std::vector<Ranges> r = Ranges::of_arrays(
+      peers, {m.triangles.size(), m.edges.size(), m.corners.size(), m.required_points.size(), m.ridges.size(),
+              m.required_edges.size(), m.required_triangles.size()});
+  return {r[0], r[1], r[2], r[3], r[4], r[5], r[6]};
 }
 
 /// Sizes of the whole mesh where they do not fit, else those of this rank. `all_refs`: of all ranks.
@@ -114,8 +114,9 @@ void check_boundary(int rank, const MeshSlice& slice, const SliceRanges& ranges,
   const MeshData& m = slice.boundary;
   checks.vertices(kTriangles, "triangle", slice.first_triangle, m.triangles);
   checks.vertices(kEdges, "edge", slice.first_edge, m.edges);
-  checks.list(kCorners, "corner", "vertex", 0, m.corners, slice.num_points);
-  checks.list(kRequiredPoints, "required vertex", "vertex", 0, m.required_points, slice.num_points);
+  checks.list(kCorners, "corner", "vertex", ranges.corners.first(rank), m.corners, slice.num_points);
+  checks.list(kRequiredPoints, "required vertex", "vertex", ranges.required_points.first(rank),
+              m.required_points, slice.num_points);
   checks.list(kRidges, "ridge", "edge", ranges.ridges.first(rank), m.ridges, slice.num_edges);
   checks.list(kRequiredEdges, "required edge", "edge", ranges.required_edges.first(rank), m.required_edges,
               slice.num_edges);

@@ -369,8 +369,7 @@ BoundaryShare complete_boundary(Peers& peers, MeshSlice& slice, const PlacedTets
   BoundaryShare b;
   take_triangles(peers, slice.num_triangles, findings, tets, b);
   complete_edges(peers, slice.num_edges, mine, findings.outer, b);
-  b.corners = std::move(mine.corners);
-  b.required_points = std::move(mine.required_points);
+  b.listed_points = listed_points_at_home(peers, mine);
   b.on_model = std::move(mine.association);
   return b;
 }
@@ -380,8 +379,7 @@ BoundaryShare listed_boundary(Peers& peers, const MeshSlice& slice) {
   b.triangles = listed_triangles(peers, slice.boundary);
   refuse_collapsed(peers, b.triangles);
   complete_edges(peers, slice.num_edges, slice.boundary, {}, b);
-  b.corners = slice.boundary.corners;
-  b.required_points = slice.boundary.required_points;
+  b.listed_points = listed_points_at_home(peers, slice.boundary);
   b.on_model = slice.boundary.association;
   return b;
 }

@@ -13,6 +13,7 @@
 #include "partition/communication/ranges.h"
 #include "partition/communication/vertex_numbers.h"
 #include "partition/slice/mesh_slice.h"
+#include "partition/surface/listed_points.h"
 
 namespace weft::partition {
 
@@ -34,9 +35,9 @@ struct BoundaryEdge {
 struct BoundaryShare {
   std::vector<BoundaryTriangle> triangles;  ///< each on one rank
   std::vector<BoundaryEdge> edges;          ///< each once, where its lower vertex modulo the ranks says
-  std::vector<std::uint32_t> corners, required_points;  ///< those listed, all on every rank
-  meshing::Association on_model;                        ///< the slice's records of vertices, without a model
-  std::vector<std::string> warnings;  ///< what was repaired, in the words of meshing::import_mesh
+  std::vector<ListedPoint> listed_points;   ///< likewise, ascending
+  meshing::Association on_model;            ///< the slice's records of vertices, without a model
+  std::vector<std::string> warnings;        ///< what was repaired, in the words of meshing::import_mesh
 };
 
 /// All ranks: the points of these numbers, ascending.

@@ -22,16 +22,6 @@ std::vector<std::uint32_t> vertices_among(const Triangles& triangles, const Vert
   return all;
 }
 
-/// The listed vertices that are among these, as places.
-std::vector<std::uint32_t> listed_among(const std::vector<std::uint32_t>& listed,
-                                        const std::vector<std::uint32_t>& vertices) {
-  std::vector<std::uint32_t> places;
-  for (const std::uint32_t v : listed)
-    if (std::ranges::binary_search(vertices, v))
-      places.push_back(static_cast<std::uint32_t>(meshing::place_in(vertices, v)));
-  return places;
-}
-
 }  // namespace
 
 SurfaceNeighbours::SurfaceNeighbours(Peers& peers, const BoundaryShare& share, const FetchPoints& points)
@@ -79,17 +69,15 @@ std::vector<SurfaceNeighbours::Owned> SurfaceNeighbours::at(
   return found;
 }
 
-/// Those whose lower vertex is one of these.
-std::vector<BoundaryEdge> SurfaceNeighbours::edges_from(const std::vector<std::uint32_t>& vertices) const {
+/// Edges between the vertices, and which of these are listed.
+void SurfaceNeighbours::add_listed(LocalSurface& local) const {
+  const auto asked = asked_at_home(peers_, local.vertices);
+  take_listed_points(peers_, asked, share_.listed_points, local.vertices, local.mesh);
   std::vector<BoundaryEdge> here = share_.edges;
   std::ranges::sort(here, {}, &BoundaryEdge::vertices);
-  return told_at_home(peers_, asked_at_home(peers_, vertices), std::move(here),
-                      [](const BoundaryEdge& e) { return e.vertices[0]; });
-}
-
-void SurfaceNeighbours::add_edges(LocalSurface& local) const {
   meshing::MeshData& mesh = local.mesh;
-  for (const BoundaryEdge& e : edges_from(local.vertices)) {
+  for (const BoundaryEdge& e : told_at_home(peers_, asked, std::move(here),
+                                            [](const BoundaryEdge& edge) { return edge.vertices[0]; })) {
     if (!std::ranges::binary_search(local.vertices, e.vertices[1])) continue;
     if (e.required) mesh.required_edges.push_back(static_cast<std::uint32_t>(mesh.edges.size()));
     mesh.edges.push_back({static_cast<std::uint32_t>(meshing::place_in(local.vertices, e.vertices[0])),
@@ -134,9 +122,7 @@ LocalSurface SurfaceNeighbours::around(std::vector<BoundaryTriangle> own) const 
     local.mesh.triangle_refs.push_back(t.ref);
   }
   meshing::release(all);
-  add_edges(local);
-  local.mesh.corners = listed_among(share_.corners, local.vertices);
-  local.mesh.required_points = listed_among(share_.required_points, local.vertices);
+  add_listed(local);
   local.mesh.points = points_(local.vertices);
   return local;
 }

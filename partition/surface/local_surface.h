@@ -62,8 +62,7 @@ class SurfaceNeighbours {
 
   void send_home();
   std::vector<Owned> at(const std::vector<std::uint32_t>& vertices) const;
-  std::vector<BoundaryEdge> edges_from(const std::vector<std::uint32_t>& vertices) const;
-  void add_edges(LocalSurface& local) const;
+  void add_listed(LocalSurface& local) const;
 
   Peers& peers_;
   const BoundaryShare& share_;

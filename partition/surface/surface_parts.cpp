@@ -16,7 +16,6 @@
 #include "meshing/base/sort_unique.h"
 #include "meshing/geometry/surface/cut_surface.h"
 #include "meshing/geometry/surface/model_tables.h"
-#include "meshing/geometry/surface/surface_curves.h"
 #include "meshing/geometry/surface/surface_shape.h"
 #include "meshing/geometry/surface/surface_tables.h"
 #include "meshing/geometry/surface/surface_topology.h"
@@ -24,6 +23,8 @@
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/surface/boundary_on_model.h"
+#include "partition/surface/dealt_pieces.h"
+#include "partition/surface/feature_curves.h"
 #include "partition/surface/joined_patches.h"
 #include "partition/surface/local_surface.h"
 #include "partition/surface/vertex_flags.h"
@@ -40,25 +41,6 @@ using meshing::VertexKind;
 std::array<Point, 3> corners(const MeshData& mesh, const std::array<std::uint32_t, 3>& t) {
   return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
 }
-
-/// Things in order, dealt to the ranks in pieces.
-class DealtPieces {
- public:
-  DealtPieces(std::size_t things, int ranks)
-      : pieces_(meshing::pieces_of(things)), ranks_(static_cast<std::uint64_t>(ranks)) {}
-  std::uint32_t count() const { return pieces_; }
-  std::uint32_t first(int rank) const {
-    return static_cast<std::uint32_t>(pieces_ * static_cast<std::uint64_t>(rank) / ranks_);
-  }
-  std::size_t maker(std::uint64_t place) const {
-    const std::uint64_t piece = place / meshing::kSurfacePieceSize;
-    return static_cast<std::size_t>(((piece + 1) * ranks_ - 1) / pieces_);
-  }
-
- private:
-  std::uint32_t pieces_;
-  std::uint64_t ranks_;
-};
 
 class ShareBuilder {
  public:
@@ -78,10 +60,11 @@ class ShareBuilder {
     begin(boundary_.triangles);
     share_normals();
     find_patches();
-    find_curves();
     fit_planes();
-    if (model_) put_on_model();
+    if (model_) put_patches_on_model();
     name_triangles();
+    find_curves();
+    if (model_) put_curves_on_model();
     name_features();
     add_records();
     take_pieces();
@@ -119,11 +102,13 @@ class ShareBuilder {
   }
   void find_curves();
   void fit_planes();
-  void put_on_model();
+  void put_patches_on_model();
+  void put_curves_on_model();
   std::vector<std::vector<std::uint32_t>> faces_of_patches();
   std::vector<std::vector<PatchId>> patches_at_curves();
   void name_triangles();
   void name_features();
+  void take_features();
   void add_records();
   void add_vertices();
   void add_listed_vertices();
@@ -131,7 +116,7 @@ class ShareBuilder {
   void classify_pieces();
   std::vector<BoundaryTriangle> triangles_to_make();
   std::vector<BoundaryTriangle> deal_triangles(const DealtPieces& dealt);
-  std::vector<BoundaryTriangle> deal_features(const DealtPieces& dealt);
+  std::vector<BoundaryTriangle> deal_features();
   void cut();
   SurfaceParts finish();
 
@@ -142,8 +127,11 @@ class ShareBuilder {
       if (topology().ring(t) == 0) f(t, i++);
   }
   BoundaryTriangle triangle(std::uint32_t place) const;
-  PatchId patch_here(std::uint32_t number) const {
-    return topology().triangle_patch[meshing::place_in(local_->triangles, number)];
+  /// By numbers of the whole; kNone where there is none here.
+  std::uint32_t feature_between(const meshing::SurfaceTopology& topology,
+                                const std::array<std::uint32_t, 2>& vertices) const;
+  std::uint32_t feature_between(const std::array<std::uint32_t, 2>& vertices) const {
+    return feature_between(topology(), vertices);
   }
   bool alone() const { return peers_.ranks() == 1; }
   const meshing::SurfaceTopology& topology() const { return builder_->so_far(); }
@@ -167,19 +155,18 @@ class ShareBuilder {
   // The same on all ranks:
   std::vector<meshing::FlatTriangle> flat_;
   std::vector<std::int32_t> patch_refs_;
-  std::vector<meshing::Patch> fitted_;  // patches as the points tell, with or without a model
-  std::shared_ptr<meshing::SurfaceCurves> curves_;
-  std::vector<std::uint32_t>
-      feature_at_;  // places among the features that all ranks give, one after the other
-  std::vector<std::uint32_t> feature_order_, feature_names_;
-  std::uint64_t named_ = 0;  // triangles
+  std::vector<meshing::Patch> fitted_;         // patches as the points tell, with or without a model
+  std::vector<meshing::Curve> fitted_curves_;  // curves likewise
+  std::vector<std::uint64_t> firsts_;          // where shares begin along the order
+  std::uint64_t named_ = 0;                    // triangles
   std::shared_ptr<meshing::SurfaceTables> tables_ = std::make_shared<meshing::SurfaceTables>();
 
-  std::vector<std::uint32_t> my_order_;     // places of own triangles in pieces, in their order
-  std::uint64_t my_first_ = 0;              // place of the first of them
-  std::vector<std::uint32_t> my_features_;  // numbers of own features
-  std::vector<std::vector<BoundaryTriangle>> at_features_;  // the triangles at them
-  std::vector<std::uint8_t> required_;                      // by patch
+  std::vector<std::uint32_t> my_order_;  // places of own triangles in pieces, in their order
+  std::uint64_t my_first_ = 0;           // place of the first of them
+  std::optional<FeatureCurves> curves_;
+  std::vector<std::array<std::uint32_t, 2>> piece_features_;  // of this rank's pieces, in order
+  std::vector<std::uint32_t> feature_names_;                  // by feature here
+  std::vector<std::uint8_t> required_;                        // by patch
   // Of what pieces are made of:
   meshing::SurfaceNames names_;
   meshing::ModelClassification classification_;
@@ -210,10 +197,10 @@ std::vector<std::uint64_t> ShareBuilder::keys_of_triangles() {
 /// Triangles go to the owners of their ranges.
 void ShareBuilder::take_share() {
   const std::vector<std::uint64_t> keys = keys_of_triangles();
-  const std::vector<std::uint64_t> begins = first_keys(peers_, keys);
+  firsts_ = first_keys(peers_, keys);
   std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t i = 0; i < keys.size(); ++i)
-    to_each[static_cast<std::size_t>(std::ranges::upper_bound(begins, keys[i]) - begins.begin())].push_back(
+    to_each[static_cast<std::size_t>(std::ranges::upper_bound(firsts_, keys[i]) - firsts_.begin())].push_back(
         boundary_.triangles[i]);
   meshing::release(boundary_.triangles);
   boundary_.triangles = all_to_all_joined(peers_, std::move(to_each));
@@ -236,6 +223,20 @@ BoundaryTriangle ShareBuilder::triangle(std::uint32_t place) const {
           {local_->vertices[a], local_->vertices[b], local_->vertices[c]},
           local_->mesh.triangle_refs[place],
           required};
+}
+
+/// Both orders are ascending.
+std::uint32_t ShareBuilder::feature_between(const meshing::SurfaceTopology& topology,
+                                            const std::array<std::uint32_t, 2>& vertices) const {
+  const auto place = [&](std::uint32_t number) {
+    return static_cast<std::uint32_t>(meshing::place_in(local_->vertices, number));
+  };
+  const std::array<std::uint32_t, 2> here{place(vertices[0]), place(vertices[1])};
+  const auto found =
+      std::ranges::lower_bound(topology.features, here, {}, &meshing::Surface::FeatureEdge::vertices);
+  return found != topology.features.end() && found->vertices == here
+             ? static_cast<std::uint32_t>(found - topology.features.begin())
+             : meshing::kNone;
 }
 
 void ShareBuilder::share_normals() {
@@ -331,26 +332,22 @@ void ShareBuilder::take_patches(const JoinedPatches& joined, const std::vector<T
   });
   patch_refs_ = joined.refs;
   builder_->take_patches(std::move(patches), std::move(turned), patch_refs_);
+  builder_->classify_vertices();
 }
 
-/// All ranks put all feature edges in order.
 void ShareBuilder::find_curves() {
-  const std::vector<meshing::FoundFeature> mine = builder_->own_features();
-  for (const auto& triangles : builder_->triangles_at_own_features()) {
-    at_features_.emplace_back();
-    for (const std::uint32_t t : triangles) at_features_.back().push_back(triangle(t));
-  }
-  const std::vector<meshing::FoundFeature> all = allgather_joined(peers_, mine);
-  feature_at_.resize(all.size());
-  for (std::uint32_t i = 0; i < all.size(); ++i) feature_at_[i] = i;
-  std::ranges::sort(feature_at_, {}, [&](std::uint32_t i) { return all[i].vertices; });
-  std::vector<meshing::FoundFeature> sorted;
-  sorted.reserve(all.size());
-  for (const std::uint32_t i : feature_at_) sorted.push_back(all[i]);
-  curves_ = std::make_shared<meshing::SurfaceCurves>(meshing::form_curves(sorted));
-  builder_->take_curves(*curves_);
-  for (const meshing::FoundFeature& f : mine)
-    my_features_.push_back(static_cast<std::uint32_t>(meshing::place_in(curves_->features, f.vertices)));
+  std::vector<OwnFeature> mine;
+  for (const meshing::FoundFeature& f : builder_->own_features()) mine.push_back({f, 0});
+  std::size_t f = 0;
+  topology().for_each_own_feature([&](std::uint32_t feature) {
+    // All triangles at an edge have patches here; names are known of own ones alone.
+    mine[f++].beside_pieces = std::ranges::any_of(topology().triangles_at(feature), [&](std::uint32_t t) {
+      return needs_triangles(*tables_, topology().triangle_patch[t]);
+    });
+  });
+  curves_.emplace(peers_, mine);
+  take_curves(curves_->found(), *tables_);
+  fitted_curves_ = tables_->curves;
 }
 
 void ShareBuilder::fit_planes() {
@@ -360,8 +357,6 @@ void ShareBuilder::fit_planes() {
   tables_->planes = planes_of(extents, sums);
   const auto heights = added(peers_, fits.heights(tables_->planes));
   tables_->patches = fitted_ = patches_of(patch_refs_, extents, sums, heights, tables_->planes);
-  tables_->curves = curves_->curves;
-  tables_->lines = curves_->lines;
 }
 
 /// All ranks: of the model, ascending.
@@ -380,24 +375,29 @@ std::vector<std::vector<std::uint32_t>> ShareBuilder::faces_of_patches() {
 /// All ranks: see meshing::SurfaceOnModel. Who has a curve's first edge tells.
 std::vector<std::vector<PatchId>> ShareBuilder::patches_at_curves() {
   std::vector<std::array<std::uint32_t, 2>> mine;  // curves, and patches there
-  for (std::size_t f = 0; f < at_features_.size(); ++f) {
-    const meshing::CurveId curve = curves_->curve_of[my_features_[f]];
-    if (curves_->chain(curve).front() != my_features_[f] ||
-        on_model_->edge_refs()[curves_->curves[curve.value].ref].entity != meshing::kNoEntity)
-      continue;
-    for (const BoundaryTriangle& t : at_features_[f])
-      mine.push_back({curve.value, patch_here(t.number).value});
+  for (const auto& [vertices, curve] : curves_->first_edges()) {
+    if (on_model_->edge_refs()[tables_->curves[curve.value].ref].entity != meshing::kNoEntity) continue;
+    for (const std::uint32_t t : topology().triangles_at(feature_between(vertices)))
+      mine.push_back({curve.value, topology().triangle_patch[t].value});
   }
-  std::vector<std::vector<PatchId>> patches(curves_->curves.size());
+  std::vector<std::vector<PatchId>> patches(tables_->curves.size());
   for (const auto& [curve, patch] : allgather_joined(peers_, mine)) patches[curve].emplace_back(patch);
   return patches;
 }
 
-void ShareBuilder::put_on_model() {
+void ShareBuilder::put_patches_on_model() {
   tables_->model = model_;
-  meshing::put_on_model(
-      {on_model_->triangle_refs(), on_model_->edge_refs(), faces_of_patches(), patches_at_curves()}, *curves_,
-      *tables_);
+  meshing::SurfaceOnModel on_model;
+  on_model.triangle_refs = on_model_->triangle_refs();
+  on_model.patch_faces = faces_of_patches();
+  meshing::put_patches_on_model(on_model, *tables_);
+}
+
+void ShareBuilder::put_curves_on_model() {
+  meshing::SurfaceOnModel on_model;
+  on_model.edge_refs = on_model_->edge_refs();
+  on_model.curve_patches = patches_at_curves();
+  meshing::put_curves_on_model(on_model, curves_->found(), *tables_);
 }
 
 void ShareBuilder::name_triangles() {
@@ -419,20 +419,26 @@ void ShareBuilder::name_triangles() {
 }
 
 void ShareBuilder::name_features() {
-  std::vector<std::uint8_t> beside;
-  for (const auto& triangles : at_features_)
-    beside.push_back(std::ranges::any_of(triangles, [&](const BoundaryTriangle& t) {
-      // All triangles at an edge have patches here; names are known of own ones alone.
-      return needs_triangles(*tables_, patch_here(t.number));
-    }));
-  const std::vector<std::uint8_t> all = allgather_joined(peers_, beside);
-  std::vector<std::uint8_t> sorted;
-  for (const std::uint32_t i : feature_at_) sorted.push_back(all[i]);
-  tables_->curve_in_pieces = curves_in_pieces(*tables_, *curves_, sorted);
-  feature_order_ = features_in_order(order_, *curves_, tables_->curve_in_pieces);
-  feature_names_.assign(curves_->features.size(), kNoName);
-  for (std::size_t i = 0; i < feature_order_.size(); ++i)
-    feature_names_[feature_order_[i]] = meshing::name_in_order(i, meshing::pieces_of(named_));
+  tables_->curve_in_pieces = curves_asked_for(*tables_);
+  for (std::size_t c = 0; c < tables_->curve_in_pieces.size(); ++c)
+    tables_->curve_in_pieces[c] |= curves_->beside_pieces()[c];
+  piece_features_ = curves_->name(order_, firsts_, tables_->curve_in_pieces, meshing::pieces_of(named_));
+  take_features();
+}
+
+/// All ranks: what is known of the features here.
+void ShareBuilder::take_features() {
+  const std::vector<FeatureRecord> records = curves_->between(local_->vertices);
+  const std::size_t count = topology().features.size();
+  std::vector<meshing::FeatureOnCurve> on(count);
+  feature_names_.assign(count, kNoName);
+  for (const FeatureRecord& record : records) {
+    const std::uint32_t f = feature_between(record.vertices);
+    if (f == meshing::kNone) continue;
+    on[f] = record.on;
+    feature_names_[f] = record.name;
+  }
+  builder_->take_curves(std::move(on));
 }
 
 /// A vertex is told of by the owner of its last triangle, who knows all that are there.
@@ -449,20 +455,16 @@ void ShareBuilder::add_vertices() {
     if (s.vertex_kind[v] == VertexKind::surface)
       hint = own_told_[meshing::place_in(own_, local_->triangles[last[v]])].name;
     else if (s.vertex_kind[v] == VertexKind::ridge)
-      hint = feature_names_[s.feature_number[s.vertex_hint[v]]];
+      hint = feature_names_[s.vertex_hint[v]];
     parts_.records.vertices.push_back({local_->vertices[v], hint, s.vertex_kind[v], flags[v]});
   }
 }
 
 /// Listed vertices may be no triangle's.
 void ShareBuilder::add_listed_vertices() {
-  if (peers_.rank() > 0) return;
-  const auto add = [&](const std::vector<std::uint32_t>& listed, std::uint8_t flags) {
-    for (const std::uint32_t v : listed)
-      parts_.records.vertices.push_back({v, kNoName, VertexKind::interior, flags});
-  };
-  add(boundary_.corners, meshing::kFixed | meshing::kListedCorner);
-  add(boundary_.required_points, meshing::kFixed | meshing::kListedRequired);
+  for (const ListedPoint& p : boundary_.listed_points)
+    parts_.records.vertices.push_back(
+        {p.vertex, kNoName, VertexKind::interior, static_cast<std::uint8_t>(meshing::kFixed | p.flags)});
 }
 
 void ShareBuilder::add_records() {
@@ -481,11 +483,11 @@ void ShareBuilder::add_records() {
   for (const std::uint32_t t : local_->mesh.required_triangles)
     if (topology().ring(t) == 0) required_[topology().triangle_patch[t].value] = 1;
   required_ = partition::max(peers_, required_);
-  for (std::uint32_t f = 0; f < topology().features.size(); ++f) {
-    if (topology().ring(topology().triangles_at(f)[0]) > 0) continue;
-    const std::uint32_t number = topology().feature_number[f];
-    parts_.records.edges.push_back({curves_->features[number], curves_->curve_of[number]});
-  }
+  topology().for_each_own_feature([&](std::uint32_t f) {
+    const auto& [a, b] = topology().features[f].vertices;
+    parts_.records.edges.push_back(
+        {{local_->vertices[a], local_->vertices[b]}, topology().features[f].curve});
+  });
 }
 
 /// All ranks: the triangles of this rank's pieces, in order.
@@ -497,35 +499,26 @@ std::vector<BoundaryTriangle> ShareBuilder::deal_triangles(const DealtPieces& de
 }
 
 /// All ranks: the triangles at the features of this rank's pieces.
-std::vector<BoundaryTriangle> ShareBuilder::deal_features(const DealtPieces& dealt) {
-  std::vector<std::uint32_t> place(curves_->features.size());
-  for (std::uint32_t i = 0; i < feature_order_.size(); ++i) place[feature_order_[i]] = i;
+std::vector<BoundaryTriangle> ShareBuilder::deal_features() {
   std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
-  for (std::size_t f = 0; f < at_features_.size(); ++f) {
-    const std::uint32_t number = my_features_[f];
-    if (feature_names_[number] == kNoName) continue;
-    auto& list = to_each[dealt.maker(place[number])];
-    list.insert(list.end(), at_features_[f].begin(), at_features_[f].end());
-  }
-  at_features_ = {};
+  topology().for_each_own_feature([&](std::uint32_t f) {
+    if (feature_names_[f] == kNoName) return;
+    auto& list = to_each[curves_->dealt().maker(
+        meshing::place_in_order(feature_names_[f], meshing::pieces_of(named_)))];
+    for (const std::uint32_t t : topology().triangles_at(f)) list.push_back(triangle(t));
+  });
   return all_to_all_joined(peers_, std::move(to_each));
 }
 
 /// The triangles of this rank's pieces, and those at the features of its others.
 std::vector<BoundaryTriangle> ShareBuilder::triangles_to_make() {
   const int me = peers_.rank();
-  const DealtPieces triangles(named_, peers_.ranks()), features(feature_order_.size(), peers_.ranks());
-  std::vector<BoundaryTriangle> all = deal_triangles(triangles);
-  names_.of_triangles.first = triangles.first(me);
+  const DealtPieces dealt(named_, peers_.ranks());
+  std::vector<BoundaryTriangle> all = deal_triangles(dealt);
+  names_.of_triangles.first = dealt.first(me);
   for (const BoundaryTriangle& t : all) names_.of_triangles.members.push_back(t.number);
-  names_.of_features.first = triangles.count() + features.first(me);
-  const auto place_of = [&](std::uint32_t piece) {
-    return std::min(std::size_t{piece} * meshing::kSurfacePieceSize, feature_order_.size());
-  };
-  names_.of_features.members.assign(
-      feature_order_.begin() + static_cast<std::ptrdiff_t>(place_of(features.first(me))),
-      feature_order_.begin() + static_cast<std::ptrdiff_t>(place_of(features.first(me + 1))));
-  const std::vector<BoundaryTriangle> beside = deal_features(features);
+  names_.of_features.first = dealt.count() + curves_->dealt().first(me);
+  const std::vector<BoundaryTriangle> beside = deal_features();
   all.insert(all.end(), beside.begin(), beside.end());
   meshing::sort_unique(all, &BoundaryTriangle::number);
   return all;
@@ -551,8 +544,10 @@ void ShareBuilder::take_pieces() {
   }
   if (!alone()) {
     builder_->take_patches(std::move(patches), std::move(turned), patch_refs_);
-    builder_->take_curves(*curves_);
+    builder_->classify_vertices();
+    take_features();
   }
+  curves_.reset();
   if (model_) classify_pieces();
   meshing::release(own_told_);
   neighbours_.reset();
@@ -574,14 +569,14 @@ void ShareBuilder::classify_pieces() {
 void ShareBuilder::cut() {
   meshing::SurfaceTopology topology = builder_->take();
   builder_.reset();
-  names_.features = feature_names_;
+  names_.features = std::move(feature_names_);
   for (std::uint32_t& t : names_.of_triangles.members)
     t = static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t));
-  for (std::uint32_t& f : names_.of_features.members)
-    f = static_cast<std::uint32_t>(meshing::place_in(topology.feature_number, f));
-  auto handles = control_points(local_->mesh.points, fitted_, *curves_, topology);
+  for (const auto& vertices : piece_features_)
+    names_.of_features.members.push_back(feature_between(topology, vertices));
+  auto handles = control_points(local_->mesh.points, fitted_, fitted_curves_, topology);
   const auto cutter = std::make_shared<meshing::SurfaceCutter>(
-      meshing::UncutSurface{local_->mesh.points, std::move(topology), curves_, std::move(handles),
+      meshing::UncutSurface{local_->mesh.points, std::move(topology), std::move(handles),
                             std::move(classification_), std::move(feature_t_), std::move(turned_)},
       std::move(names_));
   for (const auto& corner : cutter->corners())

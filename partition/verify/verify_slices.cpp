@@ -72,8 +72,6 @@ class SlicesCheck {
   }
 
  private:
-  bool is_first() const { return peers_.rank() == 0; }
-
   /// What the ranks have found, one after the other.
   void append(Problems&& mine) {
     const std::uint64_t count = mine.count();
@@ -110,15 +108,12 @@ class SlicesCheck {
       check_vertices("triangle", b.triangles, slice_.num_points, p, slice_.first_triangle);
     });
     look([&](Problems& p) { check_vertices("edge", b.edges, slice_.num_points, p, slice_.first_edge); });
-    look([&](Problems& p) {
-      if (!is_first()) return;  // all ranks have these
-      check_list("corner", b.corners, slice_.num_points, p);
-      check_list("required vertex", b.required_points, slice_.num_points, p);
-    });
     const auto look_at = [&](const char* name, const std::vector<std::uint32_t>& list, std::uint64_t limit) {
       const std::uint64_t passed = Ranges(peers_, list.size()).first(peers_.rank());
       look([&](Problems& p) { check_list(name, list, limit, p, passed); });
     };
+    look_at("corner", b.corners, slice_.num_points);
+    look_at("required vertex", b.required_points, slice_.num_points);
     look_at("ridge", b.ridges, slice_.num_edges);
     look_at("required edge", b.required_edges, slice_.num_edges);
     look_at("required triangle", b.required_triangles, slice_.num_triangles);

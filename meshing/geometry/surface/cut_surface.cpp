@@ -32,9 +32,9 @@ std::uint32_t append(std::span<const std::uint32_t> of, const Name& name, Names&
   return static_cast<std::uint32_t>(list.size() - before);
 }
 
-Names at_corner(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& list, std::uint32_t corner) {
+Names at_vertex(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& list, std::uint32_t vertex) {
   Names all;
-  for (auto i = std::ranges::lower_bound(list, std::pair{corner, 0u}); i != list.end() && i->first == corner;
+  for (auto i = std::ranges::lower_bound(list, std::pair{vertex, 0u}); i != list.end() && i->first == vertex;
        ++i)
     all.push_back(i->second);
   return all;
@@ -57,26 +57,11 @@ bool needs_triangles(const SurfaceTables& tables, PatchId patch) {
   return tables.is_on_model(patch) && !tables.has_formula(patch);
 }
 
-std::vector<std::uint8_t> curves_in_pieces(const SurfaceTables& tables, const SurfaceCurves& curves,
-                                           std::span<const std::uint8_t> beside) {
-  std::vector<std::uint8_t> in_pieces(tables.curves.size(), 0);
-  for (std::uint32_t c = 0; c < in_pieces.size(); ++c)
-    in_pieces[c] = !tables.curves[c].straight || (tables.model && tables.curve_edge[c] != kNoEntity);
-  for (std::size_t f = 0; f < beside.size(); ++f)
-    if (beside[f]) in_pieces[curves.curve_of[f].value] = 1;
-  return in_pieces;
-}
-
-std::vector<std::uint32_t> features_in_order(const PieceOrder& order, const SurfaceCurves& curves,
-                                             std::span<const std::uint8_t> curve_in_pieces) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
-  for (std::uint32_t f = 0; f < curves.features.size(); ++f) {
-    const std::uint32_t c = curves.curve_of[f].value;
-    if (!curve_in_pieces[c]) continue;
-    const std::size_t first = curves.place_of[f] + c;
-    keys.emplace_back(order.key(std::array{curves.chain_points[first], curves.chain_points[first + 1]}), f);
-  }
-  return by_keys(std::move(keys));
+std::vector<std::uint8_t> curves_asked_for(const SurfaceTables& tables) {
+  std::vector<std::uint8_t> asked_for(tables.curves.size());
+  for (std::uint32_t c = 0; c < asked_for.size(); ++c)
+    asked_for[c] = !tables.curves[c].straight || (tables.model && tables.curve_edge[c] != kNoEntity);
+  return asked_for;
 }
 
 SurfaceNames name_surface(const UncutSurface& surface, SurfaceTables& tables) {
@@ -97,24 +82,26 @@ SurfaceNames name_surface(const UncutSurface& surface, SurfaceTables& tables) {
   for (std::size_t i = 0; i < names.of_triangles.members.size(); ++i)
     names.triangles[names.of_triangles.members[i]] = name_in_order(i, 0);
 
-  std::vector<std::uint8_t> beside(s.features.size());
-  for (std::uint32_t f = 0; f < beside.size(); ++f)
-    beside[f] =
-        std::ranges::any_of(s.triangles_at(f), [&](std::uint32_t t) { return names.triangles[t] != kNone; });
-  tables.curve_in_pieces = curves_in_pieces(tables, *surface.curves, beside);
+  tables.curve_in_pieces = curves_asked_for(tables);
+  for (std::uint32_t f = 0; f < s.features.size(); ++f)
+    if (std::ranges::any_of(s.triangles_at(f), [&](std::uint32_t t) { return names.triangles[t] != kNone; }))
+      tables.curve_in_pieces[s.features[f].curve.value] = 1;
+  keys.clear();
+  for (std::uint32_t f = 0; f < s.features.size(); ++f) {
+    const auto& [a, b] = s.features[f].vertices;
+    if (tables.curve_in_pieces[s.features[f].curve.value])
+      keys.emplace_back(order.key(std::array{surface.points[a], surface.points[b]}), f);
+  }
   names.features.assign(s.features.size(), kNone);
   names.of_features.first = pieces_of(names.of_triangles.members.size());
-  names.of_features.members = features_in_order(order, *surface.curves, tables.curve_in_pieces);
+  names.of_features.members = by_keys(std::move(keys));
   for (std::size_t i = 0; i < names.of_features.members.size(); ++i)
     names.features[names.of_features.members[i]] = name_in_order(i, names.of_features.first);
   return names;
 }
 
 SurfaceCutter::SurfaceCutter(UncutSurface&& surface, SurfaceNames&& names)
-    : surface_(std::move(surface)),
-      s_(surface_.topology),
-      curves_(*surface_.curves),
-      names_(std::move(names)) {
+    : surface_(std::move(surface)), s_(surface_.topology), names_(std::move(names)) {
   name_corners();
 }
 
@@ -136,9 +123,9 @@ void SurfaceCutter::name_corners() {
     if (v == std::exchange(last, v)) continue;
     Names named;
     append(
-        at_corner(s_.corner_features, v), [&](std::uint32_t f) { return feature_name(f); }, named);
+        at_vertex(s_.vertex_features, v), [&](std::uint32_t f) { return names_.features[f]; }, named);
     append(
-        at_corner(s_.corner_triangles, v), [&](std::uint32_t i) { return names_.triangles[i]; }, named);
+        at_vertex(s_.corner_triangles, v), [&](std::uint32_t i) { return names_.triangles[i]; }, named);
     if (named.empty()) continue;
     const std::uint32_t piece = piece_of_name(named.front());
     if (is_own(piece)) corners_.push_back({v, surface_name(piece, corners_of[piece]++)});
@@ -151,7 +138,7 @@ std::vector<std::uint32_t> SurfaceCutter::vertex_hints() const {
   for (std::uint32_t v = 0; v < hints.size(); ++v) {
     const std::uint32_t at = s_.vertex_hint[v];
     if (s_.vertex_kind[v] == VertexKind::surface) hints[v] = names_.triangles[at];
-    if (s_.vertex_kind[v] == VertexKind::ridge) hints[v] = feature_name(at);
+    if (s_.vertex_kind[v] == VertexKind::ridge) hints[v] = names_.features[at];
   }
   for (const NamedCorner& c : corners_) hints[c.vertex] = c.name;
   return hints;
@@ -257,17 +244,22 @@ void SurfaceCutter::add_feature(std::uint32_t f, SurfacePieceParts& parts) const
   if (!surface_.handles.empty()) r.handles = surface_.handles[s_.feature_edge[f]];
   if (!surface_.feature_t.empty()) r.t = surface_.feature_t[f];
   r.curve = s_.features[f].curve;
-  const std::uint32_t number = s_.feature_number[f], place = curves_.place_of[number], c = r.curve.value;
-  const std::uint32_t begin = curves_.chain_begin[c], end = curves_.chain_begin[c + 1];
-  const bool closed = curves_.endless[c] != 0;
-  const auto name_at = [&](std::uint32_t at) { return names_.features[curves_.chain_features[at]]; };
-  r.previous = place > begin ? name_at(place - 1) : closed ? name_at(end - 1) : kNone;
-  r.next = place + 1 < end ? name_at(place + 1) : closed ? name_at(begin) : kNone;
-  r.forward = curves_.forward(number);
+  r.forward = s_.on_curve[f].forward != 0;
+  const auto& [low, high] = s_.features[f].vertices;
+  r.previous = name_behind(f, r.forward ? low : high);
+  r.next = name_behind(f, r.forward ? high : low);
   r.first_triangle = static_cast<std::uint32_t>(parts.triangle_list.size());
   r.num_triangles = append(
       s_.triangles_at(f), [&](std::uint32_t t) { return names_.triangles[t]; }, parts.triangle_list);
   parts.features.push_back(r);
+}
+
+/// Of the other feature edge of the curve at a vertex of one; kNone where the curve ends.
+std::uint32_t SurfaceCutter::name_behind(std::uint32_t feature, std::uint32_t vertex) const {
+  if (s_.vertex_kind[vertex] == VertexKind::corner) return kNone;
+  for (const std::uint32_t f : at_vertex(s_.vertex_features, vertex))
+    if (f != feature) return names_.features[f];
+  return kNone;
 }
 
 void SurfaceCutter::add_corner(std::uint32_t corner, SurfacePieceParts& parts) const {
@@ -278,10 +270,10 @@ void SurfaceCutter::add_corner(std::uint32_t corner, SurfacePieceParts& parts) c
                   static_cast<std::uint32_t>(parts.feature_list.size()),
                   0};
   r.num_triangles = append(
-      at_corner(s_.corner_triangles, corner), [&](std::uint32_t t) { return names_.triangles[t]; },
+      at_vertex(s_.corner_triangles, corner), [&](std::uint32_t t) { return names_.triangles[t]; },
       parts.triangle_list);
   r.num_features = append(
-      at_corner(s_.corner_features, corner), [&](std::uint32_t f) { return feature_name(f); },
+      at_vertex(s_.vertex_features, corner), [&](std::uint32_t f) { return names_.features[f]; },
       parts.feature_list);
   parts.corners.push_back(r);
 }

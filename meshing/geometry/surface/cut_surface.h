@@ -21,7 +21,6 @@ namespace weft::meshing {
 struct UncutSurface {
   std::span<const Point> points;  ///< of the mesh
   SurfaceTopology topology;
-  std::shared_ptr<const SurfaceCurves> curves;
   std::vector<std::array<Vec, 2>> handles;  ///< by edge; may be empty
   // With a model:
   ModelClassification classification;
@@ -45,12 +44,8 @@ class PieceOrder {
 
 /// A planar patch, or one on a face with a formula, asks for no triangle.
 bool needs_triangles(const SurfaceTables& tables, PatchId patch);
-/// Whether each curve's edges are asked for; `beside`: features with a triangle that is in a piece.
-std::vector<std::uint8_t> curves_in_pieces(const SurfaceTables& tables, const SurfaceCurves& curves,
-                                           std::span<const std::uint8_t> beside);
-/// The features of these curves in the order of their pieces.
-std::vector<std::uint32_t> features_in_order(const PieceOrder& order, const SurfaceCurves& curves,
-                                             std::span<const std::uint8_t> curve_in_pieces);
+/// Whether each curve's edges are asked for, beside those of curves with a triangle that is in a piece.
+std::vector<std::uint8_t> curves_asked_for(const SurfaceTables& tables);
 
 inline std::uint32_t pieces_of(std::size_t count) {
   return static_cast<std::uint32_t>((count + kSurfacePieceSize - 1) / kSurfacePieceSize);
@@ -59,6 +54,11 @@ inline std::uint32_t pieces_of(std::size_t count) {
 inline std::uint32_t name_in_order(std::size_t place, std::uint32_t first_piece) {
   return surface_name(first_piece + static_cast<std::uint32_t>(place / kSurfacePieceSize),
                       static_cast<std::uint32_t>(place % kSurfacePieceSize));
+}
+
+/// The place of what has this name.
+inline std::size_t place_in_order(std::uint32_t name, std::uint32_t first_piece) {
+  return std::size_t{piece_of_name(name) - first_piece} * kSurfacePieceSize + place_of_name(name);
 }
 
 /// Consecutive pieces that a cutter can make.
@@ -70,8 +70,8 @@ struct MadePieces {
 struct SurfaceNames {
   std::vector<std::uint32_t>
       triangles;  ///< names by triangle, of all that touch own ones; kNoName in no piece
-  std::vector<std::uint32_t> features;   ///< names by feature of the whole surface
-  MadePieces of_triangles, of_features;  ///< their members are numbered as here
+  std::vector<std::uint32_t> features;  ///< names by feature edge, of those at own vertices
+  MadePieces of_triangles, of_features;
 };
 /// Of a whole surface. Sets SurfaceTables::curve_in_pieces.
 SurfaceNames name_surface(const UncutSurface& surface, SurfaceTables& tables);
@@ -110,13 +110,10 @@ class SurfaceCutter {
   void add_corner(std::uint32_t corner, SurfacePieceParts& parts) const;
   std::uint32_t node(std::uint32_t corner) const;
 
-  std::uint32_t feature_name(std::uint32_t feature) const {
-    return names_.features[s_.feature_number[feature]];
-  }
+  std::uint32_t name_behind(std::uint32_t feature, std::uint32_t vertex) const;
 
   const UncutSurface surface_;
   const SurfaceTopology& s_;
-  const SurfaceCurves& curves_;
   const SurfaceNames names_;
   std::vector<NamedCorner> corners_;  // ascending by name
 };

@@ -26,28 +26,14 @@ void take_plane(std::uint32_t patch, SurfaceTables& tables) {
   p.normal = plane.normal = on_axes(side * (*frame)->z);
 }
 
-void take_patches(SurfaceOnModel& on_model, SurfaceTables& tables) {
-  tables.patch_faces = std::move(on_model.patch_faces);
-  for (std::uint32_t p = 0; p < tables.patches.size(); ++p) {
-    tables.patches[p].ref = on_model.triangle_refs[tables.patches[p].ref].ref;
-    for (const std::uint32_t f : tables.patch_faces[p])
-      tables.patches[p].detail = std::min(tables.patches[p].detail, tables.model->detail(f));
-    if (!tables.patch_faces[p].empty()) take_plane(p, tables);
-  }
-}
-
-void take_line(std::uint32_t curve, const SurfaceCurves& curves, SurfaceTables& tables) {
+void take_line(std::uint32_t curve, const FoundCurve& found, SurfaceTables& tables) {
   const std::optional<Frame>& frame = tables.model->line(tables.curve_edge[curve]);
   tables.curves[curve].straight = frame.has_value();
   if (!frame) return;
   Line& line = tables.lines[curve];
-  const auto points = curves.points_along(CurveId(curve));
-  const Vec chord = points.back() - points.front();
   line.point = frame->origin;
-  line.direction = on_axes((dot(chord, frame->x) < 0 ? -1.0 : 1.0) * frame->x);
-  double length = 0;
-  for (std::size_t i = 1; i < points.size(); ++i) length += norm(points[i] - points[i - 1]);
-  line.rounding = kRounding * length;
+  line.direction = on_axes((dot(found.chord, frame->x) < 0 ? -1.0 : 1.0) * frame->x);
+  line.rounding = kRounding * found.length;
 }
 
 /// A curve that the user has drawn on a face: its vertices stay on the face.
@@ -70,15 +56,25 @@ std::vector<std::array<double, 2>> parameters_at(std::span<const Surface::Featur
   return all;
 }
 
-void put_on_model(SurfaceOnModel&& on_model, const SurfaceCurves& curves, SurfaceTables& tables) {
-  take_patches(on_model, tables);
+void put_patches_on_model(SurfaceOnModel& on_model, SurfaceTables& tables) {
+  tables.patch_faces = std::move(on_model.patch_faces);
+  for (std::uint32_t p = 0; p < tables.patches.size(); ++p) {
+    tables.patches[p].ref = on_model.triangle_refs[tables.patches[p].ref].ref;
+    for (const std::uint32_t f : tables.patch_faces[p])
+      tables.patches[p].detail = std::min(tables.patches[p].detail, tables.model->detail(f));
+    if (!tables.patch_faces[p].empty()) take_plane(p, tables);
+  }
+}
+
+void put_curves_on_model(const SurfaceOnModel& on_model, std::span<const FoundCurve> curves,
+                         SurfaceTables& tables) {
   tables.curve_patch.assign(tables.curves.size(), kNone);
   for (std::uint32_t c = 0; c < tables.curves.size(); ++c) {
     const JointRef& joint = on_model.edge_refs[tables.curves[c].ref];
     tables.curves[c].ref = joint.ref;
     tables.curve_edge.push_back(joint.entity);
     if (joint.entity != kNoEntity)
-      take_line(c, curves, tables);
+      take_line(c, curves[c], tables);
     else
       take_patch(c, on_model.curve_patches[c], tables);
   }

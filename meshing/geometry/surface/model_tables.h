@@ -27,8 +27,11 @@ struct SurfaceOnModel {
 std::vector<std::array<double, 2>> parameters_at(std::span<const Surface::FeatureEdge> features,
                                                  std::span<const EdgeOnModel> edges);
 
-/// Puts planes and lines of the model in the place of those fitted to the points, for SurfaceTables::model;
-/// joint references become references.
-void put_on_model(SurfaceOnModel&& on_model, const SurfaceCurves& curves, SurfaceTables& tables);
+/// Puts planes of the model in the place of those fitted to the points, for SurfaceTables::model; joint
+/// references become references. Takes `patch_faces`.
+void put_patches_on_model(SurfaceOnModel& on_model, SurfaceTables& tables);
+/// The same for lines, when patches are on the model.
+void put_curves_on_model(const SurfaceOnModel& on_model, std::span<const FoundCurve> curves,
+                         SurfaceTables& tables);
 
 }  // namespace weft::meshing

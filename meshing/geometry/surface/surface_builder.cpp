@@ -35,20 +35,19 @@ class SurfaceBuilder {
     else
       build_topology(mesh_, {});
     find_patches();
-    auto handles = control_points(mesh_.points, tables_.patches, curves_, topology_);
-    tables_.curves = curves_.curves;
-    tables_.lines = curves_.lines;
+    take_curves(curves_, tables_);
+    auto handles = control_points(mesh_.points, tables_.patches, tables_.curves, topology_);
     if (on_model()) {
       take_patches_of_model();
       take_curves_of_model();
-      put_on_model(std::move(on_model_), curves_, tables_);
+      put_patches_on_model(on_model_, tables_);
+      put_curves_on_model(on_model_, curves_, tables_);
     }
     BuiltSurface built;
     built.input = {topology_.triangle_patch, topology_.features, topology_.vertex_kind, {}};
-    UncutSurface uncut{
-        mesh_.points,       std::move(topology_),       std::make_shared<SurfaceCurves>(std::move(curves_)),
-        std::move(handles), std::move(classification_), std::move(feature_t_),
-        std::move(turned_)};
+    UncutSurface uncut{mesh_.points,          std::move(topology_),
+                       std::move(handles),    std::move(classification_),
+                       std::move(feature_t_), std::move(turned_)};
     SurfaceNames names = name_surface(uncut, tables_);
     built.cutter = std::make_shared<SurfaceCutter>(std::move(uncut), std::move(names));
     built.input.vertex_hint = built.cutter->vertex_hints();
@@ -70,7 +69,7 @@ class SurfaceBuilder {
   ModelClassification classification_;
   SurfaceOnModel on_model_;
   SurfaceTopology topology_;
-  SurfaceCurves curves_;
+  std::vector<FoundCurve> curves_;
   SurfaceTables tables_;
   std::vector<std::array<double, 2>> feature_t_;  // feature edge -> parameters at its lower and upper vertex
   std::vector<bool> turned_;                      // triangles whose order is not the input's
@@ -83,8 +82,10 @@ void SurfaceBuilder::build_topology(const MeshData& mesh, const KnownShapes& kno
   lend_normals(flat);
   builder.take_normals(flat);
   take_components_as_patches(mesh, builder);
-  curves_ = form_curves(builder.own_features());
-  builder.take_curves(curves_);
+  FormedCurves formed = form_curves(builder.own_features());
+  curves_ = std::move(formed.curves);
+  builder.take_curves(std::move(formed.of_features));
+  builder.classify_vertices();
   topology_ = builder.take();
 }
 
@@ -144,15 +145,22 @@ void SurfaceBuilder::take_patches_of_model() {
 }
 
 void SurfaceBuilder::take_curves_of_model() {
-  for (std::uint32_t i = 0; i < curves_.curves.size(); ++i) {
-    on_model_.curve_patches.emplace_back();
-    for (const std::uint32_t t : topology_.triangles_at(curves_.chain(CurveId(i)).front()))
-      on_model_.curve_patches.back().push_back(topology_.triangle_patch[t]);
-  }
+  on_model_.curve_patches.resize(curves_.size());
+  for (std::uint32_t f = 0; f < topology_.features.size(); ++f)
+    if (topology_.on_curve[f].first)
+      for (const std::uint32_t t : topology_.triangles_at(f))
+        on_model_.curve_patches[topology_.features[f].curve.value].push_back(topology_.triangle_patch[t]);
   feature_t_ = parameters_at(topology_.features, classification_.edges);
 }
 
 }  // namespace
+
+void take_curves(std::span<const FoundCurve> found, SurfaceTables& tables) {
+  for (const FoundCurve& curve : found) {
+    tables.curves.push_back(curve.curve());
+    tables.lines.push_back(curve.line);
+  }
+}
 
 BuiltSurface build_surface(const MeshData& mesh, const Surface::Options& options,
                            ModelClassification&& classification) {

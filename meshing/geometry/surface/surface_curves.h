@@ -1,10 +1,10 @@
-// The feature curves of a surface: chains of feature edges between corners, with the points along them. All
-// parts of a surface know all of them.
+// The feature curves of a surface: chains of feature edges between corners, and the tangents along them.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "meshing/base/ids.h"
@@ -33,45 +33,44 @@ struct Line {
   double rounding = 0;  ///< 1e-12 of the curve's length
 };
 
-/// Features are numbered in the order of their vertices.
-struct SurfaceCurves {
-  std::vector<std::array<std::uint32_t, 2>> features;  ///< vertices, ascending
-  std::vector<CurveId> curve_of;                       ///< feature -> curve
-  std::vector<std::uint32_t> place_of;                 ///< feature -> its place in chain_features
-  std::vector<Curve> curves;
-  std::vector<Line> lines;            ///< curve -> line; of straight ones
-  std::vector<std::uint8_t> endless;  ///< curves whose first vertex is their last and no corner
-  /// Curve -> range of chain_features; its vertices start at begin + curve, one more than edges.
-  std::vector<std::uint32_t> chain_begin;
-  std::vector<std::uint32_t> chain_features;
-  std::vector<std::uint32_t> chain_vertices;
-  std::vector<Point> chain_points;  ///< of chain_vertices
-  std::vector<Vec> tangents;        ///< of chain_vertices, unit, along the chain
+/// Where a feature edge lies on its curve.
+struct FeatureOnCurve {
+  CurveId curve;
+  std::uint8_t forward = 0;  ///< the curve runs from the edge's lower vertex to its upper one
+  std::uint8_t first = 0;    ///< it begins with this edge
+  std::uint8_t alone = 0;    ///< it is this edge, and of unknown shape
+  std::uint8_t unused = 0;
+  std::array<Vec, 2> tangents{};  ///< the curve's, unit, at the lower and at the upper vertex
 
-  std::span<const std::uint32_t> chain(CurveId c) const {
-    return std::span(chain_features).subspan(chain_begin[c.value], num_edges(c));
-  }
-  std::span<const Point> points_along(CurveId c) const {
-    return std::span(chain_points).subspan(chain_begin[c.value] + c.value, num_edges(c) + 1);
-  }
-  std::uint32_t num_edges(CurveId c) const { return chain_begin[c.value + 1] - chain_begin[c.value]; }
-  /// Whether its curve runs from the feature's lower vertex to the upper one.
-  bool forward(std::uint32_t feature) const {
-    return chain_vertices[place_of[feature] + curve_of[feature].value] == features[feature][0];
-  }
-  /// The curve's tangent at a vertex of one of its features; none where the curve is a single edge of an
-  /// unknown shape.
-  const Vec* tangent_at(std::uint32_t feature, std::uint32_t vertex) const {
-    const CurveId c = curve_of[feature];
-    if (num_edges(c) == 1) return nullptr;
-    const std::uint32_t first = place_of[feature] + c.value;
-    return &tangents[chain_vertices[first] == vertex ? first : first + 1];
-  }
+  /// None where the curve is a single edge of an unknown shape. `end`: 0 or 1.
+  const Vec* tangent(std::size_t end) const { return alone ? nullptr : &tangents[end]; }
 };
 
-/// Of all features, in the order of their vertices. Curves are numbered by the corners where they begin and
-/// their first edges there, then those without ends. Finds which are straight, and the tangents.
-SurfaceCurves form_curves(std::span<const FoundFeature> features);
+/// A curve as its edges tell.
+struct FoundCurve {
+  // Curves are numbered in the order of these: those without a corner last.
+  std::uint32_t endless;               ///< 0 or 1: its first vertex is its last and no corner
+  std::uint32_t begin;                 ///< the vertex where it begins
+  std::array<std::uint32_t, 2> first;  ///< its first edge's vertices
+
+  std::int32_t ref;
+  std::uint16_t required, straight;  ///< 0 or 1
+  Line line;                         ///< where it is straight
+  Vec chord;                         ///< from its first vertex to its last
+  double length;                     ///< of all edges
+
+  auto order() const { return std::tuple{endless, begin, first}; }
+  Curve curve() const { return {ref, straight != 0, required != 0}; }
+};
+
+struct FormedCurves {
+  std::vector<FoundCurve> curves;           ///< in their order
+  std::vector<FeatureOnCurve> of_features;  ///< by features as given
+};
+
+/// Of features that make up whole curves, in the order of their vertices. A curve begins at the corner of the
+/// lowest number, there with the lowest edge. Finds which are straight, and the tangents.
+FormedCurves form_curves(std::span<const FoundFeature> features);
 
 /// The unit vector with components lost in rounding exactly zero, so that axis-aligned planes and lines are
 /// exact.

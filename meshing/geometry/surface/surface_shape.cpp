@@ -22,7 +22,7 @@ Vec circle_handle(const Vec& chord, const Vec& t) {
 
 class ShapeBuilder {
  public:
-  ShapeBuilder(std::span<const Point> points, std::span<const Patch> patches, const SurfaceCurves& curves,
+  ShapeBuilder(std::span<const Point> points, std::span<const Patch> patches, std::span<const Curve> curves,
                SurfaceTopology& topology)
       : points_(points), patches_(patches), curves_(curves), s_(topology) {}
 
@@ -38,11 +38,10 @@ class ShapeBuilder {
 
  private:
   bool all_flat() const {
-    return std::ranges::all_of(patches_, &Patch::planar) &&
-           std::ranges::all_of(curves_.curves, &Curve::straight);
+    return std::ranges::all_of(patches_, &Patch::planar) && std::ranges::all_of(curves_, &Curve::straight);
   }
   const Vec* tangent_at(std::uint32_t feature, std::uint32_t vertex) const {
-    return curves_.tangent_at(s_.feature_number[feature], s_.vertex_number(vertex));
+    return s_.on_curve[feature].tangent(s_.features[feature].vertices[1] == vertex);
   }
   void set_feature_handles();
   void fit_normals();
@@ -53,7 +52,7 @@ class ShapeBuilder {
 
   std::span<const Point> points_;
   std::span<const Patch> patches_;
-  const SurfaceCurves& curves_;
+  std::span<const Curve> curves_;
   SurfaceTopology& s_;
   std::vector<std::array<Vec, 2>> handles_;
   std::vector<Vec> ring_;  // of one fan, relative to its vertex
@@ -61,13 +60,12 @@ class ShapeBuilder {
 
 void ShapeBuilder::set_feature_handles() {
   for (std::uint32_t f = 0; f < s_.features.size(); ++f) {
-    const std::uint32_t number = s_.feature_number[f];
-    const std::size_t first = curves_.place_of[number] + curves_.curve_of[number].value;
-    const Vec chord = curves_.chain_points[first + 1] - curves_.chain_points[first];
-    const Vec from = circle_handle(chord, curves_.tangents[first]);
-    const Vec to = circle_handle(-1.0 * chord, -1.0 * curves_.tangents[first + 1]);
-    std::array<Vec, 2>& handles = handles_[s_.feature_edge[f]];
-    handles = curves_.forward(number) ? std::array{from, to} : std::array{to, from};
+    const auto& [low, high] = s_.features[f].vertices;
+    const FeatureOnCurve& on = s_.on_curve[f];
+    const double along = on.forward ? 1 : -1;
+    const Vec chord = points_[high] - points_[low];
+    handles_[s_.feature_edge[f]] = {circle_handle(chord, along * on.tangents[0]),
+                                    circle_handle(-1.0 * chord, -along * on.tangents[1])};
   }
 }
 
@@ -256,7 +254,7 @@ std::vector<Patch> patches_of(std::span<const std::int32_t> refs, std::span<cons
 }
 
 std::vector<std::array<Vec, 2>> control_points(std::span<const Point> points, std::span<const Patch> patches,
-                                               const SurfaceCurves& curves, SurfaceTopology& topology) {
+                                               std::span<const Curve> curves, SurfaceTopology& topology) {
   return ShapeBuilder(points, patches, curves, topology).build();
 }
 

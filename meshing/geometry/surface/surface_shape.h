@@ -68,6 +68,6 @@ std::vector<Patch> patches_of(std::span<const std::int32_t> refs, std::span<cons
 /// last bit. Empty where all patches are planar and all curves straight. The topology's fans get better
 /// normals. O(n).
 std::vector<std::array<Vec, 2>> control_points(std::span<const Point> points, std::span<const Patch> patches,
-                                               const SurfaceCurves& curves, SurfaceTopology& topology);
+                                               std::span<const Curve> curves, SurfaceTopology& topology);
 
 }  // namespace weft::meshing

@@ -38,6 +38,9 @@ struct SurfaceInput {
   std::vector<std::uint32_t> vertex_hint;
 };
 
+/// Curves and lines, as their edges tell.
+void take_curves(std::span<const FoundCurve> found, SurfaceTables& tables);
+
 class SurfaceCutter;
 
 struct BuiltSurface {

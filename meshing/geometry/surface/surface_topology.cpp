@@ -122,12 +122,6 @@ struct TopologyBuilder::Impl {
   bool is_own_vertex(std::uint32_t vertex) const {
     return own_vertex_.empty() ? fan_count_[vertex] > 0 : own_vertex_[vertex] != 0;
   }
-  /// Those whose first triangle is an own one.
-  template <class F>
-  void for_each_own_feature(const F& f) const {
-    for (std::uint32_t i = 0; i < s_.features.size(); ++i)
-      if (is_own(s_.triangles_at(i)[0])) f(i);
-  }
 
   const MeshData& mesh_;
   const KnownShapes known_;
@@ -143,7 +137,6 @@ struct TopologyBuilder::Impl {
   SurfaceComponents components_;
   std::vector<std::uint32_t> queue_;
   std::vector<std::uint32_t> fan_count_;  // vertex -> fans
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> vertex_features_;
   std::vector<std::uint8_t> is_corner_;
 };
 
@@ -369,9 +362,9 @@ void TopologyBuilder::Impl::list_features() {
       s_.feature_triangle.push_back(halves_[h].triangle);
     }
     s_.feature_triangle_begin.push_back(static_cast<std::uint32_t>(s_.feature_triangle.size()));
-    for (std::uint32_t v : s_.edges[e]) vertex_features_.emplace_back(v, f);
+    for (std::uint32_t v : s_.edges[e]) s_.vertex_features.emplace_back(v, f);
   }
-  std::sort(vertex_features_.begin(), vertex_features_.end());
+  std::sort(s_.vertex_features.begin(), s_.vertex_features.end());
 }
 
 void TopologyBuilder::Impl::form_fans() {
@@ -458,16 +451,16 @@ void TopologyBuilder::Impl::find_peaks() {
 void TopologyBuilder::Impl::find_corners() {
   is_corner_.assign(mesh_.points.size(), 0);
   std::vector<std::uint8_t> on_feature(mesh_.points.size(), 0);
-  for (std::size_t i = 0; i < vertex_features_.size();) {
-    const std::uint32_t v = vertex_features_[i].first;
+  for (std::size_t i = 0; i < s_.vertex_features.size();) {
+    const std::uint32_t v = s_.vertex_features[i].first;
     std::size_t end = i;
-    while (end < vertex_features_.size() && vertex_features_[end].first == v) ++end;
+    while (end < s_.vertex_features.size() && s_.vertex_features[end].first == v) ++end;
     on_feature[v] = 1;
     if (!is_own_vertex(v)) {
       i = end;
       continue;
     }
-    if (end - i != 2 || chain_breaks(v, vertex_features_[i].second, vertex_features_[i + 1].second)) {
+    if (end - i != 2 || chain_breaks(v, s_.vertex_features[i].second, s_.vertex_features[i + 1].second)) {
       is_corner_[v] = 1;
     }
     i = end;
@@ -515,9 +508,8 @@ void TopologyBuilder::Impl::classify_vertices() {
     }
   }
   std::sort(s_.corner_triangles.begin(), s_.corner_triangles.end());
-  for (const auto& [v, f] : vertex_features_) {
+  for (const auto& [v, f] : s_.vertex_features) {
     if (!counts(v)) continue;
-    if (is_corner_[v]) s_.corner_features.emplace_back(v, f);
     s_.vertex_kind[v] = VertexKind::ridge;
     s_.vertex_hint[v] = f;
   }
@@ -594,7 +586,7 @@ void TopologyBuilder::take_patches(std::vector<PatchId> of_triangle, std::vector
 
 std::vector<FoundFeature> TopologyBuilder::own_features() const {
   std::vector<FoundFeature> all;
-  impl_->for_each_own_feature([&](std::uint32_t f) {
+  impl_->s_.for_each_own_feature([&](std::uint32_t f) {
     const auto& [a, b] = impl_->s_.features[f].vertices;
     const std::uint32_t edge = impl_->s_.feature_edge[f];
     all.push_back({{impl_->s_.vertex_number(a), impl_->s_.vertex_number(b)},
@@ -606,27 +598,12 @@ std::vector<FoundFeature> TopologyBuilder::own_features() const {
   return all;
 }
 
-std::vector<std::vector<std::uint32_t>> TopologyBuilder::triangles_at_own_features() const {
-  std::vector<std::vector<std::uint32_t>> all;
-  impl_->for_each_own_feature([&](std::uint32_t f) {
-    const auto triangles = impl_->s_.triangles_at(f);
-    all.emplace_back(triangles.begin(), triangles.end());
-  });
-  return all;
-}
+void TopologyBuilder::classify_vertices() { impl_->classify_vertices(); }
 
-void TopologyBuilder::take_curves(const SurfaceCurves& curves) {
+void TopologyBuilder::take_curves(std::vector<FeatureOnCurve> of_features) {
   SurfaceTopology& s = impl_->s_;
-  auto at = curves.features.begin();
-  for (Surface::FeatureEdge& f : s.features) {
-    const std::array<std::uint32_t, 2> vertices{s.vertex_number(f.vertices[0]),
-                                                s.vertex_number(f.vertices[1])};
-    at = std::lower_bound(at, curves.features.end(), vertices);
-    const auto number = static_cast<std::uint32_t>(at - curves.features.begin());
-    s.feature_number.push_back(number);
-    f.curve = curves.curve_of[number];
-  }
-  impl_->classify_vertices();
+  s.on_curve = std::move(of_features);
+  for (std::size_t f = 0; f < s.features.size(); ++f) s.features[f].curve = s.on_curve[f].curve;
 }
 
 const SurfaceTopology& TopologyBuilder::so_far() const { return impl_->s_; }

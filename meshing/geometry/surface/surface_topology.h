@@ -43,7 +43,7 @@ struct SurfaceTopology {
   std::vector<Fan> fans;
 
   std::vector<Surface::FeatureEdge> features;
-  std::vector<std::uint32_t> feature_number;          ///< feature edge -> among those of the whole surface
+  std::vector<FeatureOnCurve> on_curve;               ///< feature edge -> what of its curve is there
   std::vector<std::uint32_t> feature_edge;            ///< feature edge -> edge
   std::vector<std::uint32_t> feature_triangle_begin;  ///< feature edge -> range of feature_triangle
   std::vector<std::uint32_t> feature_triangle;
@@ -55,8 +55,8 @@ struct SurfaceTopology {
 
   std::vector<VertexKind> vertex_kind;
   std::vector<std::uint32_t> vertex_hint;
-  /// (corner, triangle at it) and (corner, feature edge at it), sorted.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> corner_triangles, corner_features;
+  /// (corner, triangle at it) and (vertex, feature edge at it), sorted.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> corner_triangles, vertex_features;
 
   std::span<const std::uint32_t> triangles_at(std::uint32_t feature) const {
     return std::span(feature_triangle)
@@ -64,6 +64,12 @@ struct SurfaceTopology {
                  feature_triangle_begin[feature + 1] - feature_triangle_begin[feature]);
   }
   std::uint32_t ring(std::uint32_t triangle) const { return rings.empty() ? 0 : rings[triangle]; }
+  /// f(feature edge) of those whose first triangle is an own one: each is one part's.
+  template <class F>
+  void for_each_own_feature(const F& f) const {
+    for (std::uint32_t i = 0; i < features.size(); ++i)
+      if (ring(triangles_at(i)[0]) == 0) f(i);
+  }
   std::uint32_t vertex_number(std::uint32_t vertex) const {
     return vertex_numbers.empty() ? vertex : vertex_numbers[vertex];
   }
@@ -114,7 +120,7 @@ struct SurfaceCrossing {
 /// (SurfaceTopology::rings), where what is known of all parts comes in between:
 ///
 ///   flat_triangles, take_normals; components, crossings; find_steps, turn_along; take_patches;
-///   own_features, take_curves; take
+///   own_features, take_curves, classify_vertices; take
 ///
 /// Numbers are those of the mesh given; in a part triangles and vertices must have the order of the whole.
 class TopologyBuilder {
@@ -145,12 +151,13 @@ class TopologyBuilder {
   void take_patches(std::vector<PatchId> of_triangle, std::vector<std::uint8_t> turned,
                     std::vector<std::int32_t> refs);
 
-  /// Those whose first triangle is an own one, in the order of their vertices, which are numbers of the whole
-  /// mesh.
+  /// In the order of SurfaceTopology::for_each_own_feature(), which is that of their vertices, numbers of the
+  /// whole mesh.
   std::vector<FoundFeature> own_features() const;
-  /// The triangles at each of these.
-  std::vector<std::vector<std::uint32_t>> triangles_at_own_features() const;
-  void take_curves(const SurfaceCurves& curves);
+  /// After patches: vertex_kind and vertex_hint.
+  void classify_vertices();
+  /// By feature edges here; those at own vertices count.
+  void take_curves(std::vector<FeatureOnCurve> of_features);
 
   const SurfaceTopology& so_far() const;
   SurfaceTopology take();

@@ -70,7 +70,10 @@ void keep_part(const MeshRange& range, MeshData& mesh) {
   keep_part_of(range, mesh.triangle_refs);
   keep_part_of(range, mesh.edges);
   keep_part_of(range, mesh.edge_refs);
+  keep_part_of_corners(range, mesh);
 }
+
+void keep_part_of_corners(const MeshRange& range, MeshData& mesh) { keep_part_of(range, mesh.corners); }
 
 std::string RefNames::name(int dimension, std::int32_t ref) const {
   const auto found = names_.find({dimension, ref});

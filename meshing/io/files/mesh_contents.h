@@ -53,8 +53,7 @@ struct MeshSize {
 };
 
 /// What one of several readers keeps: contiguous ranges of a file's points and tets, counted from 0, and one
-/// of equal parts of its triangles, of its edges, and of each list of marks on these, in their order. All
-/// keep all corners and required points.
+/// of equal parts of its triangles, of its edges, and of each list of marks, in their order.
 struct MeshRange {
   std::uint64_t first_point = 0, num_points = 0;
   std::uint64_t first_tet = 0, num_tets = 0;
@@ -65,9 +64,11 @@ struct MeshRange {
   std::uint64_t part_end(std::uint64_t total) const { return total * (part + 1) / parts; }
 };
 
-/// Leaves of triangles and edges those of the range's part: for formats that are read with all of them, and
-/// have no marks on these.
+/// Leaves of triangles, edges and corners those of the range's part: for formats that are read with all of
+/// them, and have no marks on triangles and edges.
 void keep_part(const MeshRange& range, MeshData& mesh);
+/// Of corners alone.
+void keep_part_of_corners(const MeshRange& range, MeshData& mesh);
 
 /// The same for writers, who need not own it.
 struct MeshView {

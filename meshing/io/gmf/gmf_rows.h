@@ -144,7 +144,7 @@ void read_part_of_elements(const File& file, Keyword code, const MeshRange& rang
   if (section) read_elements(file, *section, part_of(*section, range), elements, refs);
 }
 
-/// Of the whole list, where `range` is that of one part.
+/// The range's part of the list.
 template <class File>
 void read_indices(const File& file, Keyword code, const MeshRange& range, std::uint64_t limit,
                   const char* entity, std::vector<std::uint32_t>& indices) {
@@ -160,15 +160,15 @@ void read_indices(const File& file, Keyword code, const MeshRange& range, std::u
   rows.finish();
 }
 
-/// The range's part of triangles, edges and the marks on them, and all marks on points.
+/// The range's part of triangles, edges and all marks.
 template <class File>
 void read_boundary(const File& file, const MeshRange& range, MeshData& mesh) {
   const GmfLayout& layout = file.layout();
   const std::uint64_t edges = layout.num_edges(), triangles = layout.num_triangles();
   read_part_of_elements(file, kTriangles, range, mesh.triangles, mesh.triangle_refs);
   read_part_of_elements(file, kEdges, range, mesh.edges, mesh.edge_refs);
-  read_indices(file, kCorners, {}, layout.num_points(), "vertex", mesh.corners);
-  read_indices(file, kRequiredVertices, {}, layout.num_points(), "vertex", mesh.required_points);
+  read_indices(file, kCorners, range, layout.num_points(), "vertex", mesh.corners);
+  read_indices(file, kRequiredVertices, range, layout.num_points(), "vertex", mesh.required_points);
   read_indices(file, kRidges, range, edges, "edge", mesh.ridges);
   read_indices(file, kRequiredEdges, range, edges, "edge", mesh.required_edges);
   read_indices(file, kRequiredTriangles, range, triangles, "triangle", mesh.required_triangles);

@@ -38,8 +38,8 @@ struct GmfTets {
 GmfTets read_gmf_tets(const std::filesystem::path& path, const GmfLayout& layout, std::uint64_t first,
                       std::uint64_t count);
 
-/// The range's part of triangles, edges, ridges and required ones of these and of the records of vertices on
-/// a CAD model, all corners and required points, by numbers in the whole mesh; neither points nor tets.
+/// The range's part of triangles, edges, corners, ridges, what is required and the records of vertices on a
+/// CAD model, by numbers in the whole mesh; neither points nor tets.
 MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& layout,
                            const MeshRange& range = {});
 

@@ -894,6 +894,7 @@ MeshContents read_gmsh_range(const std::filesystem::path& path, const MeshRange&
   MeshContents contents;
   MeshCollector collector;
   Reader(in, contents, collector, range, layout->size().points, std::move(first_elements)).read();
+  keep_part_of_corners(range, contents.mesh);
   collector.put_into(contents.mesh);
   contents.complete();
   return contents;

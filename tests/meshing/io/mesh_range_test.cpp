@@ -49,8 +49,8 @@ MeshContents read_in_parts(const fs::path& path, std::uint64_t parts) {
     append(all.mesh.ridges, mesh.ridges);
     append(all.mesh.required_edges, mesh.required_edges);
     append(all.mesh.required_triangles, mesh.required_triangles);
-    all.mesh.corners = mesh.corners;
-    all.mesh.required_points = mesh.required_points;
+    append(all.mesh.corners, mesh.corners);
+    append(all.mesh.required_points, mesh.required_points);
     all.names = part.names;
     all.fields = part.fields;
   }

@@ -68,8 +68,8 @@ inline partition::MeshSlice slice_of(const MetricMesh& whole, int rank, int rank
   slice.boundary.association.nodes = share(m.association.nodes);
   slice.boundary.association.edges = share(m.association.edges);
   slice.boundary.association.faces = share(m.association.faces);
-  slice.boundary.corners = m.corners;
-  slice.boundary.required_points = m.required_points;
+  slice.boundary.corners = share(m.corners);
+  slice.boundary.required_points = share(m.required_points);
   return slice;
 }
 

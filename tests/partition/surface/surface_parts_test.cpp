@@ -120,8 +120,11 @@ BoundaryShare share_of(const MeshData& mesh, const Peers& peers) {
   for (const std::uint32_t e : mesh.required_edges) add(e, 1);
   for (const auto& [vertices, edge] : edges)
     if (vertices[0] % ranks == me) share.edges.push_back(edge);
-  share.corners = mesh.corners;
-  share.required_points = mesh.required_points;
+  std::map<std::uint32_t, std::uint32_t> listed;
+  for (const std::uint32_t v : mesh.corners) listed[v] |= meshing::kListedCorner;
+  for (const std::uint32_t v : mesh.required_points) listed[v] |= meshing::kListedRequired;
+  for (const auto& [v, flags] : listed)
+    if (v % ranks == me) share.listed_points.push_back({v, flags});
   const auto take = [&](const auto& records, auto& mine) {
     for (const auto& r : records)
       if ((r.vertex + 1) % ranks == me) mine.push_back(r);

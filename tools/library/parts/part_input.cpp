@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -250,13 +249,12 @@ std::vector<std::uint32_t> marked(const std::vector<std::uint8_t>& marks, std::u
 }
 
 /// All ranks: the vertices on these lists, each once, ascending.
-std::vector<std::uint32_t> gather_vertices(Peers& peers, const std::vector<std::uint32_t>& list,
+std::vector<std::uint32_t> listed_vertices(Peers& peers, const partition::Ranges& points,
+                                           const std::vector<std::uint32_t>& list,
                                            const std::vector<std::uint64_t>& numbers) {
   std::vector<std::uint32_t> mine;
   for (const std::uint32_t v : list) mine.push_back(static_cast<std::uint32_t>(numbers[v]));
-  std::set<std::uint32_t> all;
-  for (const auto& of_rank : partition::allgather(peers, mine)) all.insert(of_rank.begin(), of_rank.end());
-  return {all.begin(), all.end()};
+  return partition::each_at_its_point(peers, points, mine);
 }
 
 /// All ranks: the slice's triangles and edges, each on one rank.
@@ -302,8 +300,9 @@ MeshSlice slice_of_parts(Peers& peers, const Part& part, const Metric* metric) {
   check_faces_of_parts(peers, *whole, numbers);
   number_tets(peers, part, *whole, numbers, slice);
   take_boundary(peers, *whole, numbers, slice);
-  slice.boundary.corners = gather_vertices(peers, part.mesh.corners, numbers);
-  slice.boundary.required_points = gather_vertices(peers, part.mesh.required_points, numbers);
+  const partition::Ranges points(peers, slice.points.size());
+  slice.boundary.corners = listed_vertices(peers, points, part.mesh.corners, numbers);
+  slice.boundary.required_points = listed_vertices(peers, points, part.mesh.required_points, numbers);
   slice.boundary.association.nodes = numbered(part.mesh.association.nodes, numbers);
   slice.boundary.association.edges = numbered(part.mesh.association.edges, numbers);
   slice.boundary.association.faces = numbered(part.mesh.association.faces, numbers);

@@ -63,8 +63,8 @@ MeshData read_in_parts(const fs::path& path, std::uint64_t parts) {
     append(mesh.association.nodes, boundary.association.nodes);
     append(mesh.association.edges, boundary.association.edges);
     append(mesh.association.faces, boundary.association.faces);
-    mesh.corners = boundary.corners;
-    mesh.required_points = boundary.required_points;
+    append(mesh.corners, boundary.corners);
+    append(mesh.required_points, boundary.required_points);
     const auto begin = [&](std::uint64_t n, std::uint64_t part) { return n * part / parts; };
     const std::uint64_t v = begin(layout.num_points(), p), t = begin(layout.num_tets(), p);
     const GmfPoints points = read_gmf_points(path, layout, v, begin(layout.num_points(), p + 1) - v);

@@ -157,16 +157,17 @@ class Renumbering {
   std::vector<std::uint32_t> numbers_;
 };
 
-/// All ranks: a share of the triangles and edges of all, and all corners.
-void take_boundary(Peers& peers, const RowsRead& rows, const Renumbering& numbers,
+/// All ranks: a share of the triangles, edges and corners of all.
+void take_boundary(Peers& peers, const RowsRead& rows, const Renumbering& numbers, const Ranges& points,
                    partition::MeshSlice& slice) {
   meshing::MeshData& boundary = slice.boundary;
   boundary.triangles = dealt_evenly(peers, numbers.of(rows.triangles));
   boundary.triangle_refs = dealt_evenly(peers, rows.triangle_refs);
   boundary.edges = dealt_evenly(peers, numbers.of(rows.edges));
   boundary.edge_refs = dealt_evenly(peers, rows.edge_refs);
-  for (const auto& corner : joined(peers, numbers.of(rows.corners))) boundary.corners.push_back(corner[0]);
-  meshing::sort_unique(boundary.corners);
+  std::vector<std::uint32_t> corners;
+  for (const auto& corner : numbers.of(rows.corners)) corners.push_back(corner[0]);
+  boundary.corners = partition::each_at_its_point(peers, points, corners);
   count_boundary(peers, slice);
 }
 
@@ -352,7 +353,7 @@ MeshShare PieceShares::mesh(Peers& peers, meshing::OtherVolumes others) const {
   const Renumbering numbers(peers, copies.joined, rows);
   slice.tets = numbers.of(rows.tets);
   slice.tet_refs = std::move(rows.tet_refs);
-  take_boundary(peers, rows, numbers, slice);
+  take_boundary(peers, rows, numbers, points, slice);
   share.names = std::move(rows.names);
   share.dropped = summed(joined_drops(peers, rows.drops));
   return share;

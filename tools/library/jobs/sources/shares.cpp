@@ -177,10 +177,8 @@ void deal_boundary(Peers& peers, const MeshData& mesh, MeshSlice& slice) {
   b.association.nodes = deal(peers, mesh.association.nodes);
   b.association.edges = deal(peers, mesh.association.edges);
   b.association.faces = deal(peers, mesh.association.faces);
-  b.corners = mesh.corners;
-  b.required_points = mesh.required_points;
-  tell_all(peers, b.corners);
-  tell_all(peers, b.required_points);
+  b.corners = deal(peers, mesh.corners);
+  b.required_points = deal(peers, mesh.required_points);
   count_boundary(peers, slice);
 }
 
@@ -203,14 +201,17 @@ Fields deal_fields(Peers& peers, const Fields& whole, const MeshSlice& slice) {
 meshing::ContentCounts counts_of_slices(Peers& peers, const MeshSlice& slice) {
   meshing::ContentCounts counts = meshing::counts_of(slice.boundary);
   const std::vector<std::uint64_t> sums = partition::sum(
-      peers, std::vector{counts.ridges, counts.required_edges, counts.required_triangles, counts.on_model,
-                         meshing::count_nonzero(slice.point_refs), meshing::count_nonzero(slice.tet_refs)});
-  counts.ridges = sums[0];
-  counts.required_edges = sums[1];
-  counts.required_triangles = sums[2];
-  counts.on_model = sums[3];
-  counts.point_refs = sums[4];
-  counts.tet_refs = sums[5];
+      peers, std::vector{counts.corners, counts.required_points, counts.ridges, counts.required_edges,
+                         counts.required_triangles, counts.on_model, meshing::count_nonzero(slice.point_refs),
+                         meshing::count_nonzero(slice.tet_refs)});
+  counts.corners = sums[0];
+  counts.required_points = sums[1];
+  counts.ridges = sums[2];
+  counts.required_edges = sums[3];
+  counts.required_triangles = sums[4];
+  counts.on_model = sums[5];
+  counts.point_refs = sums[6];
+  counts.tet_refs = sums[7];
   counts.tets = slice.num_tets;
   counts.edges = slice.num_edges;
   return counts;
