@@ -98,7 +98,7 @@ class Neighbourhood {
   /// All ranks: for each rank, those of the boxes that meet its tets, or come near.
   std::vector<std::vector<std::uint32_t>> near(std::span<const Box> boxes) {
     std::vector<int> asked;
-    for (const auto& ranks : ranks_wanting(peers_, grid_, cells_of(grid_, boxes), cells_of(grid_, boxes_)))
+    for (const auto& ranks : ranks_wanting(peers_, grid_, grid_.cells_of(boxes), grid_.cells_of(boxes_)))
       asked.insert(asked.end(), ranks.begin(), ranks.end());
     meshing::sort_unique(asked);
     Box all;

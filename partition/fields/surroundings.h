@@ -1,6 +1,7 @@
 // Who is near whom: boxes about a part's tets, and the cells of a grid that these touch.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -19,18 +20,6 @@ meshing::Box box_of(const meshing::MeshData& mesh, const meshing::Tet& tet);
 
 /// All ranks: a grid over both meshes, a few points of the coarser one a cell.
 CellGrid common_grid(Peers& peers, const PartDomain& a, const PartDomain& b);
-
-/// The cells that the boxes touch, ascending.
-template <class Boxes>
-std::vector<std::uint32_t> cells_of(const CellGrid& grid, const Boxes& boxes) {
-  std::vector<bool> touched(grid.size(), false);
-  for (const meshing::Box& box : boxes)
-    grid.for_each_cell(box, [&](std::uint32_t cell) { touched[cell] = true; });
-  std::vector<std::uint32_t> cells;
-  for (std::uint32_t cell = 0; cell < touched.size(); ++cell)
-    if (touched[cell]) cells.push_back(cell);
-  return cells;
-}
 
 /// About `most` boxes at most, half of them of a tet each, at the vertices that have the largest, the others
 /// of the tets at about equally many vertices; grown by the largest `reach` (of each vertex; none: 0) in
