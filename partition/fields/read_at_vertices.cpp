@@ -18,6 +18,7 @@
 #include "meshing/fields/interpolate.h"
 #include "meshing/fields/tet_locator.h"
 #include "meshing/mesh/adjacency.h"
+#include "partition/communication/agreement.h"
 #include "partition/fields/box_tree.h"
 #include "partition/fields/cell_homes.h"
 #include "partition/fields/surroundings.h"
@@ -186,10 +187,11 @@ class Points {
 
 meshing::ValueTable read_at_vertices(Peers& peers, const PartDomain& of, const meshing::ValueTable& values,
                                      const PartDomain& at, double diameter) {
-  const Reader reader(of, values);
+  std::optional<Reader> reader;
+  agree_on(peers, [&] { reader.emplace(of, values); });
   Neighbourhood neighbourhood(peers, of, at);
   Points points(at, values.columns, diameter);
-  do points.ask(peers, neighbourhood, reader);
+  do points.ask(peers, neighbourhood, *reader);
   while (!points.all_are_read());
   return points.take();
 }
