@@ -179,6 +179,7 @@ Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod m
   const auto tensors =
       conservative ? append_eigenvalues(meshes.old_mesh(), extended) : std::vector<TensorColumns>();
   const ValueTable old = packed(extended);
+  extended = {};
   const std::vector<double> before = integrals(meshes.old_mesh(), old);
   Reading reading = read(meshes, old);
   account_for_outside(meshes.new_mesh(), reading.at, result);
@@ -192,7 +193,8 @@ Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod m
     result.accounts[c].integral_before = before[c];
     result.accounts[c].integral_after = after[c];
   }
-  account_differences(meshes.old_mesh(), old, meshes.read_back(carried), result.accounts);
+  const ValueTable back = of_new_mesh([&] { return meshes.read_back(carried); });
+  account_differences(meshes.old_mesh(), old, back, result.accounts);
   for (const Field& field : fields.fields) result.fields.fields.push_back({field.kind, {}, field.name});
   unpack(carried, result.fields);
   return result;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+
 namespace weft::meshing {
 namespace {
 

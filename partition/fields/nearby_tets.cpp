@@ -53,7 +53,7 @@ NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& aro
   const auto boxes = own | std::views::transform([&](std::uint32_t t) { return box_of(mesh, mesh.tets[t]); });
   std::vector<Box> mine = boxes_around(around.mesh(), reach);
   std::vector<int> asked;
-  for (const auto& ranks : ranks_wanting(peers, grid, cells_of(grid, boxes), cells_of(grid, mine)))
+  for (const auto& ranks : ranks_wanting(peers, grid, grid.cells_of(boxes), grid.cells_of(mine)))
     asked.insert(asked.end(), ranks.begin(), ranks.end());
   meshing::sort_unique(asked);
   std::vector<std::vector<Box>> around_each = ask_for_boxes(peers, asked, of_own, mine);

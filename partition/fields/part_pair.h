@@ -18,9 +18,9 @@
 namespace weft::partition {
 
 /// Both meshes are dealt out anew, what lies together, of either, to one rank; the tets of the old mesh about
-/// a part of the new one come to it, and points of the old one go to where the new one has tets, which are
-/// more. All ranks call every function together. What is carried has the same bits for any
-/// number of ranks.
+/// a part of the new one come to it, and on the way back points of the old one go to where the new one has
+/// tets. All ranks call every function together, source() as well: it may be made then. What is carried has
+/// the same bits for any number of ranks.
 class PartPair final : public meshing::MeshPair {
  public:
   /// Throws as PartDomain does, meshing::NewMeshError for a fault of `to`.

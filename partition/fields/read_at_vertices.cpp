@@ -18,6 +18,7 @@
 #include "meshing/fields/interpolate.h"
 #include "meshing/fields/tet_locator.h"
 #include "meshing/mesh/adjacency.h"
+#include "partition/communication/agreement.h"
 #include "partition/fields/box_tree.h"
 #include "partition/fields/cell_homes.h"
 #include "partition/fields/surroundings.h"
@@ -98,7 +99,7 @@ class Neighbourhood {
   /// All ranks: for each rank, those of the boxes that meet its tets, or come near.
   std::vector<std::vector<std::uint32_t>> near(std::span<const Box> boxes) {
     std::vector<int> asked;
-    for (const auto& ranks : ranks_wanting(peers_, grid_, cells_of(grid_, boxes), cells_of(grid_, boxes_)))
+    for (const auto& ranks : ranks_wanting(peers_, grid_, grid_.cells_of(boxes), grid_.cells_of(boxes_)))
       asked.insert(asked.end(), ranks.begin(), ranks.end());
     meshing::sort_unique(asked);
     Box all;
@@ -186,10 +187,11 @@ class Points {
 
 meshing::ValueTable read_at_vertices(Peers& peers, const PartDomain& of, const meshing::ValueTable& values,
                                      const PartDomain& at, double diameter) {
-  const Reader reader(of, values);
+  std::optional<Reader> reader;
+  agree_on(peers, [&] { reader.emplace(of, values); });
   Neighbourhood neighbourhood(peers, of, at);
   Points points(at, values.columns, diameter);
-  do points.ask(peers, neighbourhood, reader);
+  do points.ask(peers, neighbourhood, *reader);
   while (!points.all_are_read());
   return points.take();
 }

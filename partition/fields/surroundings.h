@@ -1,9 +1,9 @@
-// Who is near whom: boxes about a part's tets, and the cells of a grid that these touch.
+// Who is near whom: a grid over two meshes, and boxes about a part's tets.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -20,22 +20,10 @@ meshing::Box box_of(const meshing::MeshData& mesh, const meshing::Tet& tet);
 /// All ranks: a grid over both meshes, a few points of the coarser one a cell.
 CellGrid common_grid(Peers& peers, const PartDomain& a, const PartDomain& b);
 
-/// The cells that the boxes touch, ascending.
-template <class Boxes>
-std::vector<std::uint32_t> cells_of(const CellGrid& grid, const Boxes& boxes) {
-  std::vector<bool> touched(grid.size(), false);
-  for (const meshing::Box& box : boxes)
-    grid.for_each_cell(box, [&](std::uint32_t cell) { touched[cell] = true; });
-  std::vector<std::uint32_t> cells;
-  for (std::uint32_t cell = 0; cell < touched.size(); ++cell)
-    if (touched[cell]) cells.push_back(cell);
-  return cells;
-}
-
-/// About `most` boxes at most, half of them of a tet each, at the vertices that have the largest, the others
-/// of the tets at about equally many vertices; grown by the largest `reach` (of each vertex; none: 0) in
-/// them. Those that follow each other are near each other. (In a graded mesh a box of a few large tets would
-/// have the fine part in it.)
+/// About `most` boxes at most (more where vertices with large tets have very many), half of them of a tet
+/// each, at the vertices that have the largest, the others of the tets at about equally many vertices; grown
+/// by the largest `reach` (of each vertex; none: 0) in them. Those that follow each other are near each
+/// other. (In a graded mesh a box of a few large tets would have the fine part in it.)
 std::vector<meshing::Box> boxes_of_tets(const meshing::MeshData& mesh, std::size_t most,
                                         std::span<const double> reach = {});
 

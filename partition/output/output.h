@@ -30,9 +30,9 @@ bool can_write_pieces(const std::filesystem::path& mesh);
 class PiecesOutput {
  public:
   PiecesOutput(Peers& peers, std::span<const MeshPiece> mine, const Numbering& numbering,
-               const std::filesystem::path& mesh, const std::filesystem::path& solution = {},
-               const meshing::Association& carried = {}, int version = 0, const meshing::RefNames& names = {},
-               const PieceFields& fields = {});
+               const std::filesystem::path& mesh, const std::filesystem::path& solution,
+               const meshing::Association& carried, int version, const meshing::RefNames& names,
+               const PieceFields& fields);
   ~PiecesOutput();
 
   /// This rank's part; asks no other rank. In any thread, in its TBB arena. What fails is told by finish().

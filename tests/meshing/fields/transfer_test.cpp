@@ -275,5 +275,20 @@ TEST(Transfer, RefusesMeshesWithoutVolume) {
   }
 }
 
+TEST(Transfer, SaysWhichMeshHasAFaceOfThreeTets) {
+  const MeshData good = unit_cube(1);
+  MeshData doubled = good;
+  doubled.tets.push_back(doubled.tets[0]);
+  doubled.tet_refs.push_back(doubled.tet_refs[0]);
+  EXPECT_THROW(transfer(good, linear_fields(good), doubled, TransferMethod::linear), NewMeshError);
+  try {
+    transfer(doubled, linear_fields(doubled), good, TransferMethod::linear);
+    FAIL();
+  } catch (const NewMeshError&) {
+    FAIL();
+  } catch (const InputError&) {
+  }
+}
+
 }  // namespace
 }  // namespace weft::meshing::transfer_test

@@ -252,6 +252,23 @@ TEST_P(TransferInParts, RefusesMeshesWithoutTets) {
   EXPECT_THROW(on_ranks(GetParam(), 0, good, points, TransferMethod::linear), meshing::NewMeshError);
 }
 
+TEST_P(TransferInParts, AllRanksRefuseANewMeshWithAFaceOfThreeTets) {
+  const MeshData good = support::unit_cube(3);
+  MeshData doubled = support::unit_cube(2);
+  doubled.tets.push_back(doubled.tets[0]);
+  doubled.tet_refs.push_back(doubled.tet_refs[0]);
+  const int ranks = GetParam();
+  const auto thrown = support::run_ranks_caught(ranks, [&](Peers& peers) {
+    const MeshSlice from = support::slice_of({good, {}}, peers.rank(), ranks, 1);
+    const MeshSlice to = support::slice_of({doubled, {}}, peers.rank(), ranks, 2);
+    transfer_in_parts(peers, from, fields_on(from.points), to, TransferMethod::linear);
+  });
+  for (const std::exception_ptr& of_rank : thrown) {
+    ASSERT_TRUE(of_rank);
+    EXPECT_THROW(std::rethrow_exception(of_rank), meshing::NewMeshError);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Ranks, TransferInParts, testing::ValuesIn(support::kNumbersOfRanks));
 
 }  // namespace

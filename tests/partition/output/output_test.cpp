@@ -267,6 +267,15 @@ TEST(WritePieces, NothingButEmptyPiecesMakeAnEmptyMesh) {
   EXPECT_EQ(meshing::read_gmf_solution(directory / "m.solb").num_points, 0u);
 }
 
+/// What a PiecesOutput refers to until it has written: defaults would be gone by then.
+struct Beside {
+  meshing::Association carried;
+  meshing::RefNames names;
+  PieceFields fields;
+};
+static_assert(!std::is_constructible_v<PiecesOutput, Peers&, std::span<const MeshPiece>, const Numbering&,
+                                       const fs::path&, const fs::path&>);
+
 TEST(PiecesOutput, IsWrittenByThreadsOfTheirOwn) {
   const CutMesh cut = random_cut(6);
   const TemporaryDirectory directory;
@@ -276,7 +285,9 @@ TEST(PiecesOutput, IsWrittenByThreadsOfTheirOwn) {
     const auto hands = deal(cut.pieces, 3);
     run_on_ranks(3, [&](Peers& peers) {
       const Numbering numbering = number_pieces(peers, hands[peers.rank()]);
-      PiecesOutput output(peers, hands[peers.rank()], numbering, directory / name, directory / "m.solb");
+      const Beside beside;
+      PiecesOutput output(peers, hands[peers.rank()], numbering, directory / name, directory / "m.solb",
+                          beside.carried, 0, beside.names, beside.fields);
       std::jthread([&] { output.write(); }).join();
       output.finish(peers);
     });
@@ -292,7 +303,9 @@ TEST(PiecesOutput, LeavesNothingWhereItGoesUnfinished) {
   const auto hands = deal(cut.pieces, 3);
   run_on_ranks(3, [&](Peers& peers) {
     const Numbering numbering = number_pieces(peers, hands[peers.rank()]);
-    PiecesOutput output(peers, hands[peers.rank()], numbering, directory / "m.meshb", directory / "m.solb");
+    const Beside beside;
+    PiecesOutput output(peers, hands[peers.rank()], numbering, directory / "m.meshb", directory / "m.solb",
+                        beside.carried, 0, beside.names, beside.fields);
     output.write();
     allgather(peers, std::vector<int>{1});  // all have written
   });

@@ -190,11 +190,12 @@ class DistributedFileJob {
     account_.times.fields = watch_.lap();
   }
 
-  /// On ranks that have a thread for it bytes go out while the result is measured.
+  /// On ranks that have a thread for it bytes go out while the result is measured; where nothing is, before
+  /// they are out, all threads write.
   void begin_writing() {
     output_.emplace(run_.peers(), run_.pieces(), run_.numbering(), account_.outputs.mesh,
                     account_.outputs.solution, carried_, 0, names_, piece_fields_);
-    if (run_.has_spare_thread())
+    if (is_measured() && !account_.cancelled && run_.has_spare_thread())
       writing_ = std::jthread([this] { with_threads(1, [this] { output_->write(); }); });
     account_.times.write = watch_.lap();
   }
