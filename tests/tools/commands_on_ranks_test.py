@@ -247,6 +247,11 @@ class OtherCommands(Subdomains):
             done = self.command_on(ranks, "mesh", "box", "-o", "box.meshb", "--cells", 2, 2, 2)
             self.assertEqual(done.stderr.count("rank 0 alone does `weft mesh`"), ranks > 1, done.stderr)
 
+    def test_a_quiet_rank_0_alone_says_nothing(self):
+        for words in (("mesh", "box", "-o", "box.meshb", "--cells", 2, 2, 2), ("convert", "box.meshb", "box.vtu", "--compress")):
+            done = self.command_on(2, *words, "--quiet")
+            self.assertEqual((done.stdout, done.stderr), ("", ""))
+
     def test_what_is_wrong_is_told_once(self):
         self.weft("metric", self.box(2), "--metric-fn", "uniform:1", "-o", "f.solb")
         self.write("none.mesh", mesh_text(ONE_TET_POINTS, [], ONE_TET_FACES))

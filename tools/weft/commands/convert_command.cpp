@@ -66,7 +66,7 @@ int run_convert(const ConvertCommand& command) {
       return run_on_ranks(command);
     const PlaceOnRanks place = place_on_ranks();
     if (place.rank != 0) return kDone;
-    if (place.ranks > 1) fmt::print(stderr, "{}", done_by_first("convert"));
+    if (place.ranks > 1 && !command.verbosity.quiet) fmt::print(stderr, "{}", done_by_first("convert"));
   }
   Progress progress(command.verbosity.style());
   progress.phase("converting");
