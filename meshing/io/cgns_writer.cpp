@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -31,12 +32,22 @@ constexpr const char *kBaseName = "Base", *kZoneName = "Zone", *kSolutionName = 
 /// Names of siblings, which CGNS wants different, without slashes, and of 32 characters at most.
 class NodeNames {
  public:
-  std::string unique(std::string name) {
-    std::ranges::replace(name, '/', '_');
-    return names_.unique(std::move(name));
+  std::string unique(const std::string& name) { return names_.unique(without_slashes(name)); }
+  /// Of the components of a field: they belong together by what they begin with.
+  template <std::size_t N>
+  std::array<std::string, N> unique(const std::string& field, const std::array<const char*, N>& ends) {
+    const std::string begin = names_.unique_begin(without_slashes(field), ends);
+    std::array<std::string, N> names;
+    for (std::size_t i = 0; i < N; ++i) names[i] = begin + ends[i];
+    return names;
   }
 
  private:
+  static std::string without_slashes(std::string name) {
+    std::ranges::replace(name, '/', '_');
+    return name;
+  }
+
   UniqueNames names_{kNameLength};
 };
 
@@ -45,16 +56,16 @@ std::vector<std::string> component_names(const SolutionData& fields) {
   NodeNames unique_names;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < fields.fields.size(); ++i) {
-    const std::string name = field_name(fields, i), shortened = name.substr(0, kNameLength - 2);
+    const std::string name = field_name(fields, i);
     switch (fields.fields[i].kind) {
       case Field::Kind::scalar:
         names.push_back(unique_names.unique(name));
         break;
       case Field::Kind::vector:
-        for (const char* end : kVectorEnds) names.push_back(unique_names.unique(shortened + end));
+        std::ranges::move(unique_names.unique(name, kVectorEnds), std::back_inserter(names));
         break;
       case Field::Kind::tensor:
-        for (const char* end : kTensorEnds) names.push_back(unique_names.unique(shortened + end));
+        std::ranges::move(unique_names.unique(name, kTensorEnds), std::back_inserter(names));
         break;
     }
   }

@@ -260,6 +260,12 @@ class Report(CommandTest):
             report = json.loads((self.folder / "r/report.json").read_text())
             self.assertEqual((report["asked_complexity"], report["target_complexity"]), (500, 500), subdomains)
 
+    def test_is_not_refused_for_a_complexity_that_limits_keep_away(self):
+        self.box(4)
+        for subdomains in ([], ["--subdomains", 2]):
+            self.weft("adapt", "box.meshb", "--metric-fn", "uniform:0.3", "--complexity", "1e11", "--hmin", 0.3, *subdomains,
+                      "-o", "out.meshb", expect=1)
+
 
 class Interrupt(CommandTest):
     def interrupted(self, number):

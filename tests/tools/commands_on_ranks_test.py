@@ -5,7 +5,7 @@ import re
 import shutil
 import unittest
 
-from command import DATA, ONE_TET_FACES, ONE_TET_POINTS, mesh_text
+from command import DATA, ONE_TET_FACES, ONE_TET_POINTS, mesh_text, solution_text
 from on_ranks import LONG, Subdomains, some_of
 
 
@@ -247,6 +247,11 @@ class OtherCommands(Subdomains):
             done = self.command_on(ranks, "mesh", "box", "-o", "box.meshb", "--cells", 2, 2, 2)
             self.assertEqual(done.stderr.count("rank 0 alone does `weft mesh`"), ranks > 1, done.stderr)
 
+    def test_a_quiet_rank_0_alone_says_nothing(self):
+        for words in (("mesh", "box", "-o", "box.meshb", "--cells", 2, 2, 2), ("convert", "box.meshb", "box.vtu", "--compress")):
+            done = self.command_on(2, *words, "--quiet")
+            self.assertEqual((done.stdout, done.stderr), ("", ""))
+
     def test_what_is_wrong_is_told_once(self):
         self.weft("metric", self.box(2), "--metric-fn", "uniform:1", "-o", "f.solb")
         self.write("none.mesh", mesh_text(ONE_TET_POINTS, [], ONE_TET_FACES))
@@ -260,6 +265,21 @@ class OtherCommands(Subdomains):
             self.assertEqual(len(lines), 1, done.stderr)
             self.assertRegex(lines[0], "^weft: (none|nowhere)")
             self.assertEqual(self.files(), before)
+
+    def test_values_that_are_no_numbers_are_told_with_their_file_and_not_converted(self):
+        self.box(2)
+        self.write("bad.sol", solution_text([(1,)] * 20 + [("nan",)] + [(1,)] * 6, kind=1))
+        self.write("good.sol", solution_text([(1,)] * 27, kind=1))
+        self.weft("convert", "box.meshb", "bad.vtu", "--sol", "good.sol", "--encoding", "ascii")
+        at = (text := (self.folder / "bad.vtu").read_text()).index(">", text.index('Name="field_1"')) + 1
+        (self.folder / "bad.vtu").write_text(text[:at] + text[at:].replace("1", "nan", 1))
+        before = self.files()
+        for words, says in ((("box.meshb", "--sol", "bad.sol"), "bad.sol: field 1: vertex 21: not a finite number"),
+                            (("bad.vtu",), "bad.vtu: field 1: vertex 1: not a finite number")):
+            for ranks in (0, 3):
+                done = self.command_on(ranks, "convert", words[0], "out.vtu", *words[1:], expect=2)
+                self.assertEqual(done.stderr.count(f"weft: {says}"), 1, done.stderr)
+                self.assertEqual(self.files(), before)
 
     def test_what_is_wrong_with_arguments_is_told_once(self):
         self.box(1)

@@ -78,6 +78,16 @@ class Metric(CommandTest):
         sizes = [m[5] ** -0.5 for p, m in zip(self.points(), self.tensors("m.sol")) if p[2] == 0]
         self.assertLessEqual(max(sizes), 0.0101)
 
+    def test_boundary_sizes_that_are_scaled_are_told(self):
+        self.box(4, "box.mesh")
+        words = ["metric", "box.mesh", "--wall", 5, "--wall-height", 1e-2, "--wall-size", 0.1, "-o", "m.sol"]
+        said = "warning: the boundary's sizes are not as asked for"
+        self.assertNotIn(said, self.weft(*words).stdout)
+        self.assertNotIn(said, self.weft(*words, "--complexity", 3000, "--metric-fn", "uniform:0.2").stdout)
+        done = self.weft(*words, "--complexity", 20)
+        self.assertAlmostEqual(self.complexity(done), 20, delta=0.1)
+        self.assertIn(said, done.stdout)
+
     def test_curvature_of_planes_asks_for_nothing(self):
         self.box(3, "box.mesh")
         self.weft("metric", "box.mesh", "--curvature", 20, "--sagitta", 1e-3, "-o", "m.sol")

@@ -92,7 +92,8 @@ class Usage(CommandTest):
             (["--threads", "0"], "--threads"),
             (["--threads", "1.5"], "--threads"),
             (["--ridge-angle", "200"], "--ridge-angle"),
-            (["--progress", "loud"], "--progress"),
+            (["--progress", "loud"], "--progress: 'loud' is not one of auto, none and plain"),
+            (["--field", "f.solb", "--transfer", "1"], "--transfer: '1' is not one of conservative and linear"),
             (["--metric", "m.solb"], "--metric"),
             (["--nonsense"], "--nonsense"),
         ]:

@@ -24,6 +24,15 @@ bool numbered_name(std::string_view name, std::int32_t& ref) {
   return true;
 }
 
+/// What of a text takes `bytes` at most, without a part of a character of UTF-8 at its end.
+std::string first_characters(std::string_view text, std::size_t bytes) {
+  constexpr std::size_t kLongestCharacter = 4;
+  if (text.size() <= bytes) return std::string(text);
+  std::size_t end = bytes;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  return std::string(text.substr(0, bytes - end < kLongestCharacter ? end : bytes));
+}
+
 /// New numbers of the points that triangles and edges use, in their old order.
 std::vector<std::uint32_t> surface_numbers(const MeshData& mesh) {
   std::vector<std::uint32_t> numbers(mesh.points.size(), kUnused);
@@ -164,14 +173,22 @@ std::string field_name(const SolutionData& fields, std::size_t i) {
   return name.empty() ? "field_" + std::to_string(i + 1) : name;
 }
 
-std::string UniqueNames::unique(std::string name) {
-  name.resize(std::min(name.size(), longest_));
-  const std::string begin = name;
-  for (int i = 2; !taken_.insert(name).second; ++i) {
-    const std::string end = "_" + std::to_string(i);
-    name = begin.substr(0, longest_ - end.size()) + end;
+std::string UniqueNames::unique(const std::string& name) {
+  constexpr const char* kNoEnd[] = {""};
+  return unique_begin(name, kNoEnd);
+}
+
+std::string UniqueNames::unique_begin(const std::string& name, std::span<const char* const> ends) {
+  std::size_t room = longest_;
+  for (const std::string_view end : ends) room = std::min(room, longest_ - end.size());
+  std::string begin = first_characters(name, room);
+  const auto taken = [&](const char* end) { return taken_.contains(begin + end); };
+  for (int i = 2; std::ranges::any_of(ends, taken); ++i) {
+    const std::string number = "_" + std::to_string(i);
+    begin = first_characters(name, room - number.size()) + number;
   }
-  return name;
+  for (const char* end : ends) taken_.insert(begin + end);
+  return begin;
 }
 
 bool has_refs(const std::vector<std::int32_t>& refs) {

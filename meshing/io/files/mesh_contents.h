@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -95,9 +96,11 @@ std::string field_name(const SolutionData& fields, std::size_t i);
 /// Names of siblings in a file, which must differ: the second `a` becomes `a_2`.
 class UniqueNames {
  public:
-  /// Names are cut to `longest` characters.
+  /// Names are cut to `longest` bytes, where a character of UTF-8 ends.
   explicit UniqueNames(std::size_t longest = std::string::npos) : longest_(longest) {}
-  std::string unique(std::string name);
+  std::string unique(const std::string& name);
+  /// What several siblings begin with, each with one of `ends`.
+  std::string unique_begin(const std::string& name, std::span<const char* const> ends);
 
  private:
   std::size_t longest_;

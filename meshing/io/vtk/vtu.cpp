@@ -13,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "meshing/base/printable.h"
 #include "meshing/io/files/file_part.h"
 #include "meshing/io/vtk/vtk_xml.h"
 
@@ -682,7 +683,7 @@ std::vector<std::string> field_array_names(const SolutionData& fields, bool glob
   if (point_refs) unique_names.unique("ref");
   std::vector<std::string> names;
   for (std::size_t i = 0; i < fields.fields.size(); ++i)
-    names.push_back(unique_names.unique(field_name(fields, i)));
+    names.push_back(unique_names.unique(printable(field_name(fields, i))));
   return names;
 }
 

@@ -2,6 +2,7 @@
 #include "meshing/io/cgns.h"
 
 #include <map>
+#include <set>
 
 #include "tests/meshing/io/format_support.h"
 #include "tests/support/repetitions.h"
@@ -49,6 +50,50 @@ TEST_F(Cgns, NamesAreKept) {
   EXPECT_EQ(read.mesh.tet_refs, (std::vector<std::int32_t>{-8, 1}));
   EXPECT_EQ(read.names.name(3, 1), "air");
   EXPECT_EQ(read.names.name(1, 1), "a name of more than thirty");
+}
+
+TEST_F(Cgns, FieldsStayWholeWhereTheirNamesBeginAlike) {
+  using Kind = Field::Kind;
+  const std::string inlet = "time_averaged_velocity_of_the_inlet",
+                    outlet = "time_averaged_velocity_of_the_outlet";
+  MeshContents c = full_contents();
+  c.fields.fields.clear();
+  const auto add = [&](Kind kind, const std::string& name) {
+    const std::size_t components = kind == Kind::scalar ? 1 : kind == Kind::vector ? 3 : 6;
+    const auto value = static_cast<double>(c.fields.fields.size());
+    c.fields.fields.push_back({kind, std::vector<double>(components * c.mesh.points.size(), value), name});
+  };
+  for (const std::string& name : {inlet, outlet}) add(Kind::vector, name);
+  for (const std::string& name : {inlet, outlet}) add(Kind::tensor, name);
+  add(Kind::scalar, "uY");
+  for (int i = 0; i < 2; ++i) add(Kind::vector, "u");
+  write_cgns(directory / "m.cgns", c);
+  const MeshContents read = read_cgns(directory / "m.cgns");
+  ASSERT_EQ(read.fields.fields.size(), c.fields.fields.size());
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < c.fields.fields.size(); ++i) {
+    EXPECT_EQ(read.fields.fields[i].kind, c.fields.fields[i].kind) << i;
+    EXPECT_EQ(read.fields.fields[i].values, c.fields.fields[i].values) << i;
+    names.insert(read.fields.fields[i].name);
+  }
+  EXPECT_TRUE(names.contains("u_2") && names.contains("u_3") && names.contains("uY"));
+}
+
+/// 32 bytes are in the middle of a letter.
+TEST_F(Cgns, NamesAreCutBetweenCharacters) {
+  MeshContents c = full_contents();
+  c.names.set(2, 11, "\u00e9aaaaaaaaaaaaaaaaaaaaaaaaaaaaa\u00e4b");
+  c.fields.fields = {{Field::Kind::scalar, std::vector<double>(5, 1.5),
+                      "\u0442\u0435\u043c\u043f\u0435\u0440\u0430\u0442\u0443\u0440\u0430 "
+                      "\u0442\u043e\u0440\u043c\u043e\u0436"}};
+  write_cgns(directory / "m.cgns", c);
+  const MeshContents read = read_cgns(directory / "m.cgns");
+  EXPECT_EQ(read.fields.fields.at(0).name,
+            "\u0442\u0435\u043c\u043f\u0435\u0440\u0430\u0442\u0443\u0440\u0430 "
+            "\u0442\u043e\u0440\u043c");
+  std::set<std::string> names;
+  for (const std::int32_t ref : read.mesh.triangle_refs) names.insert(read.names.name(2, ref));
+  EXPECT_TRUE(names.contains("\u00e9aaaaaaaaaaaaaaaaaaaaaaaaaaaaa"));
 }
 
 TEST_F(Cgns, EmptyPartsAreNoProblem) {

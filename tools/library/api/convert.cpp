@@ -6,6 +6,7 @@
 
 #include "tools/common/inputs.h"
 #include "tools/common/text.h"
+#include "tools/library/jobs/sources/field_source.h"
 #include "weft/weft.h"
 
 namespace weft {
@@ -20,6 +21,7 @@ void add_solution(const std::string& input, const std::string& file, MeshFile& c
                      fmt::format("belongs to another mesh: it has {} vertices, {} has {}",
                                  tools::grouped(std::uint64_t{solution.num_points}), input,
                                  tools::grouped(std::uint64_t{num_points})));
+  tools::check_values(file, solution);
   contents.fields.num_points = num_points;
   std::ranges::move(solution.fields, std::back_inserter(contents.fields.fields));
 }
@@ -31,6 +33,7 @@ Converted convert(const std::string& input, const std::string& output, const std
   tools::keep_solution(input, output, solution);
   check_writable(output);
   MeshFile contents = read_mesh_file(input);
+  tools::check_values(input, contents.fields);
   if (!solution.empty()) add_solution(input, solution, contents);
   const bool beside = !contents.fields.fields.empty() && holds_volumes(output) && !holds_fields(output);
   const std::string file = fields_beside(output);

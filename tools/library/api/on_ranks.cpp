@@ -195,6 +195,7 @@ Fields fields_to_convert(Peers& peers, const std::string& input, const std::stri
   if (meshing::can_be_in_pieces(input)) {
     tools::FieldsShare own = tools::read_own_fields_share(peers, input);
     fields = std::move(own.fields);
+    partition::agree_on(peers, [&] { tools::check_values(input, fields, slice.first_point); });
     std::ranges::move(own.dropped, std::back_inserter(dropped));
   }
   if (solution.empty()) return fields;
@@ -202,6 +203,7 @@ Fields fields_to_convert(Peers& peers, const std::string& input, const std::stri
     return fmt::format("belongs to another mesh: it has {} vertices, {} has {}", length, input,
                        slice.num_points);
   });
+  partition::agree_on(peers, [&] { tools::check_values(solution, more, slice.first_point); });
   std::ranges::move(more.fields, std::back_inserter(fields.fields));
   return fields;
 }

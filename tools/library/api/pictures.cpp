@@ -28,10 +28,9 @@ ColourBy colour_by(const std::string& word) {
       {"field", ColourBy::field}};
   const auto found = all.find(word);
   if (found != all.end()) return found->second;
-  throw OptionError("--color-by",
-                    "'" + word +
-                        "' is not one of none, ref, subdomain, quality, length, nonconforming, field "
-                        "and field:NAME");
+  throw OptionError("--color-by", "'" + word +
+                                      "' is not one of none, ref, subdomain, quality, length, nonconforming, "
+                                      "deviation, field and field:NAME");
 }
 
 /// Returns parse(), with what it finds wrong told as the fault of `option`.

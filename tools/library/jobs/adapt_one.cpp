@@ -57,7 +57,7 @@ class OneMesh {
   Result run() {
     if (input_.mesh.tets.empty()) throw InputError(input_.name, "", "has no tetrahedra");
     prepare_metric();
-    check_size(input_.name, result_.target_complexity, options_.run, result_.input_counts, result_.predicted);
+    check_size(input_.name, expected_complexity_, options_.run, result_.input_counts, result_.predicted);
     if (options_.run.measure) measure_before();
     if (!input_.fields.fields.empty()) monitor_.expect(seconds_to_carry(options_.transfer) / result_.threads);
     adapt();
@@ -89,6 +89,7 @@ class OneMesh {
     result_.complexity_asked = options_.metric.complexity > 0;
     result_.target_complexity =
         result_.complexity_asked ? options_.metric.complexity : meshing::complexity(background(), field_);
+    expected_complexity_ = result_.complexity_asked ? made.complexity : result_.target_complexity;
     predict_work(result_.target_complexity);
     result_.times.metric = watch_.lap();
   }
@@ -249,6 +250,7 @@ class OneMesh {
   std::optional<RunWork> work_;                  ///< from the metric on
   std::shared_ptr<const meshing::Model> model_;  ///< null: the surface is reconstructed
   meshing::LogMetricField field_;
+  double expected_complexity_ = 0;                 ///< limits may leave less than what is asked for
   std::optional<meshing::MeasuredMesh> measured_;  ///< the input
   std::vector<std::uint32_t> origins_;             ///< AdaptResult::origins
   std::optional<FoundState> found_;

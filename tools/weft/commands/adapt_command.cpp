@@ -234,7 +234,7 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
   static const std::map<std::string, Equal> shares = {{"work", Equal::work}, {"tets", Equal::tets}};
   sub.add_option("--equal", distributed.equal,
                  "balance subdomains by predicted work (default) or by tets of the input")
-      ->transform(CLI::CheckedTransformer(shares).description(""))
+      ->transform(one_of(shares))
       ->type_name("WHAT")
       ->group(kGroup);
   sub.add_option("--layers", distributed.layers,
@@ -243,7 +243,7 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
       ->check(CLI::Range(0, 1000).description(""))
       ->group(kGroup);
   sub.add_option("--layers-by", distributed.layers_by, "layers grow across points (default) or faces")
-      ->transform(CLI::CheckedTransformer(connections).description(""))
+      ->transform(one_of(connections))
       ->type_name("KIND")
       ->group(kGroup);
   sub.add_option("--shifts", command.shifts,
@@ -259,7 +259,7 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
                                                        {"tets", Freeze::tets}};
   sub.add_option("--freeze", distributed.freeze,
                  "what is frozen at an interface: vertices (default) or, as in the paper, tets")
-      ->transform(CLI::CheckedTransformer(frozen).description(""))
+      ->transform(one_of(frozen))
       ->type_name("WHAT")
       ->group(kGroup);
   sub.add_flag("--check", command.options.run.check,

@@ -144,7 +144,8 @@ int run_command_line(const std::vector<std::string>& arguments) {
     std::vector<std::string> reversed = translate_aliases(arguments);
     std::reverse(reversed.begin(), reversed.end());  // the order that CLI11 takes a vector in
     app.parse(std::move(reversed));
-    if (is_done_by_first(arguments[0]) && place_on_ranks().ranks > 1 && arguments[0] != "loop")
+    const bool quiet = std::ranges::find(arguments, "--quiet") != arguments.end();
+    if (is_done_by_first(arguments[0]) && place_on_ranks().ranks > 1 && arguments[0] != "loop" && !quiet)
       fmt::print(stderr, "{}", done_by_first(arguments[0]));
     return run_action(action);
   } catch (const CLI::ParseError& error) {

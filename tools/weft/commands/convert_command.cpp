@@ -66,7 +66,7 @@ int run_convert(const ConvertCommand& command) {
       return run_on_ranks(command);
     const PlaceOnRanks place = place_on_ranks();
     if (place.rank != 0) return kDone;
-    if (place.ranks > 1) fmt::print(stderr, "{}", done_by_first("convert"));
+    if (place.ranks > 1 && !command.verbosity.quiet) fmt::print(stderr, "{}", done_by_first("convert"));
   }
   Progress progress(command.verbosity.style());
   progress.phase("converting");
@@ -86,11 +86,11 @@ void add_choices(CLI::App& sub, WriteOptions& options, int& pieces) {
       {"big-endian", WriteOptions::Encoding::big_endian}};
   sub.add_option("--encoding", options.encoding,
                  "binary (default) or ascii, of .msh, .stl, .ply and .vtu; big-endian, of .ply")
-      ->transform(CLI::CheckedTransformer(encodings).description(""))
+      ->transform(one_of(encodings))
       ->type_name("WORD");
   static const std::map<std::string, int> versions = {{"4.1", 4}, {"2.2", 2}};
   sub.add_option("--msh-version", options.gmsh_version, "4.1 (default) or 2.2, of .msh")
-      ->transform(CLI::CheckedTransformer(versions).description(""))
+      ->transform(one_of(versions))
       ->type_name("V");
   sub.add_flag("--compress", options.compress, "compress the arrays of a .vtu or .pvtu");
   sub.add_option("--pieces", pieces, "pieces of a .pvtu; default 2, of more ranks one each")

@@ -29,7 +29,7 @@ constexpr const char* kMetricFooter = R"(Examples:
 
 All metrics given are intersected. The sources (--metric, --metric-fn, --sol, --implied) are scaled so that
 the result has the --complexity after intersection with the boundary sizes (--curvature, --sagitta, --wall),
-which are not scaled, and after limits and gradation.)";
+which are not scaled unless they are all that is given, and after limits and gradation.)";
 
 struct MetricCommand {
   std::string mesh, output;

@@ -124,7 +124,7 @@ int run_stat(const StatCommand& command) {
   if (!command.plot.empty() && place.rank == 0) check_writable(command.plot);
   if (under_mpirun() && command.geometry.model.empty()) return run_on_ranks(command);
   if (place.rank != 0) return kDone;
-  if (place.ranks > 1) fmt::print(stderr, "{}", done_by_first("stat --geometry"));
+  if (place.ranks > 1 && !command.verbosity.quiet) fmt::print(stderr, "{}", done_by_first("stat --geometry"));
   Progress progress(command.verbosity.style());
   progress.phase("reading");
   const Mesh mesh = read_mesh(command.mesh);

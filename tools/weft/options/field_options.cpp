@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <map>
 
+#include "tools/weft/options/option_checks.h"
+
 namespace weft::tools {
 
 CLI::Option* add_field_options(CLI::App& command, FieldChoice& choice, const std::string& owner,
@@ -19,7 +21,7 @@ CLI::Option* add_field_options(CLI::App& command, FieldChoice& choice, const std
   command
       .add_option("--transfer", choice.method,
                   "linear (default) or conservative (preserves integrals and definite tensors)")
-      ->transform(CLI::CheckedTransformer(methods).description(""))
+      ->transform(one_of(methods))
       ->type_name("HOW")
       ->needs(fields)
       ->group(group);

@@ -68,7 +68,7 @@ void add_metric_construction(CLI::App& command, MetricOptions& options) {
   command
       .add_option("--recovery", options.recovery,
                   "second derivatives by least squares (lsq, default) or L2 projection (l2)")
-      ->transform(CLI::CheckedTransformer(recoveries).description(""))
+      ->transform(one_of(recoveries))
       ->type_name("NAME")
       ->needs(solution)
       ->group(kSolution);
@@ -128,7 +128,7 @@ void add_metric_processing(CLI::App& command, MetricOptions& options) {
   command
       .add_option("--hgrad-space", options.hgrad_space,
                   "space of gradation: metric (default, preserves anisotropy) or mixed")
-      ->transform(CLI::CheckedTransformer(spaces).description(""))
+      ->transform(one_of(spaces))
       ->type_name("SPACE")
       ->group(kGroup);
 }

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <iterator>
+#include <map>
+#include <string>
 
 namespace weft::tools {
 
@@ -20,6 +23,26 @@ CLI::Validator mesh_output_name();
 CLI::Validator volume_output_name();
 /// The name of a solution file.
 CLI::Validator solution_name();
+
+/// One of the words, of which there are at least two; their values' numbers are no words.
+template <class Value>
+CLI::Validator one_of(const std::map<std::string, Value>& words) {
+  return {[words](std::string& word) -> std::string {
+            const auto found = words.find(word);
+            if (found == words.end()) {
+              std::string known;
+              for (auto known_word = words.begin(); known_word != words.end(); ++known_word)
+                known += (known.empty()                          ? ""
+                          : std::next(known_word) == words.end() ? " and "
+                                                                 : ", ") +
+                         known_word->first;
+              return "'" + word + "' is not one of " + known;
+            }
+            word = CLI::detail::value_string(found->second);
+            return {};
+          },
+          ""};
+}
 
 /// The name of a picture.
 CLI::Validator picture_name();

@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <map>
 
+#include "tools/weft/options/option_checks.h"
+
 namespace weft::tools {
 
 void add_verbosity(CLI::App& command, Verbosity& verbosity, const std::string& group) {
@@ -12,7 +14,7 @@ void add_verbosity(CLI::App& command, Verbosity& verbosity, const std::string& g
   command
       .add_option("--progress", verbosity.progress,
                   "auto (default; a bar on a terminal, else lines), plain or none")
-      ->transform(CLI::CheckedTransformer(styles).description(""))
+      ->transform(one_of(styles))
       ->type_name("STYLE")
       ->group(group);
   command.add_flag("--quiet", verbosity.quiet, "print nothing but errors; the exit code tells the outcome")

@@ -128,6 +128,18 @@ TEST_F(Vtu, NamesOfArraysDiffer) {
   EXPECT_EQ(read.mesh.point_refs[0], 4);
 }
 
+TEST_F(Vtu, NamesOfArraysAreTextThatXmlMayHold) {
+  MeshContents c = tets_only();
+  for (const char* name : {"Fl\u00e4che",
+                           "Fl\xe4"
+                           "che",
+                           "a\x01", "cut \xd0"})
+    c.fields.fields.push_back({Field::Kind::scalar, std::vector<double>(5, 0.5), name});
+  auto arrays = write_and_parse(c);
+  for (const char* name : {"Fl\u00e4che", "Fl?che", "a?", "cut ?"})
+    EXPECT_TRUE(arrays.contains(name)) << name;
+}
+
 TEST_F(Vtu, PutsTensorsInVtkOrder) {
   MeshContents c;
   c.mesh.points = {{0, 0, 0}, {1, 0, 0}};

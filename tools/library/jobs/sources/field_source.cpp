@@ -20,18 +20,6 @@ using meshing::Field;
 using meshing::InputError;
 using meshing::SolutionData;
 
-void check_values(const std::string& file, const SolutionData& solution, std::uint64_t first_vertex) {
-  for (std::size_t f = 0; f < solution.fields.size(); ++f) {
-    const Field& field = solution.fields[f];
-    const auto bad = std::ranges::find_if(field.values, [](double x) { return !std::isfinite(x); });
-    if (bad == field.values.end()) continue;
-    const auto vertex = first_vertex + static_cast<std::uint64_t>(bad - field.values.begin()) /
-                                           static_cast<std::uint64_t>(meshing::components(field.kind));
-    throw InputError(file, fmt::format("field {}", f + 1),
-                     fmt::format("vertex {}: not a finite number", vertex + 1));
-  }
-}
-
 /// "mach" for the only field of mach.solb, "flow_2" for the second one of flow.solb.
 void name_fields(const std::string& file, SolutionData& solution) {
   const std::string stem = std::filesystem::path(file).stem().string();
@@ -54,6 +42,18 @@ void add_fields(const std::string& file, SolutionData&& solution, std::uint64_t 
 }
 
 }  // namespace
+
+void check_values(const std::string& file, const SolutionData& fields, std::uint64_t first_vertex) {
+  for (std::size_t f = 0; f < fields.fields.size(); ++f) {
+    const Field& field = fields.fields[f];
+    const auto bad = std::ranges::find_if(field.values, [](double x) { return !std::isfinite(x); });
+    if (bad == field.values.end()) continue;
+    const auto vertex = first_vertex + static_cast<std::uint64_t>(bad - field.values.begin()) /
+                                           static_cast<std::uint64_t>(meshing::components(field.kind));
+    throw InputError(file, fmt::format("field {}", f + 1),
+                     fmt::format("vertex {}: not a finite number", vertex + 1));
+  }
+}
 
 SolutionData read_all_fields(const std::vector<std::string>& files, std::size_t num_points,
                              const std::string& mesh_file) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,10 @@ Fields read_all_fields(const std::vector<std::string>& files, std::size_t num_po
 /// All ranks: the same at this rank's slice of points. Throws alike on all ranks.
 Fields read_fields_of_slice(partition::Peers& peers, const std::vector<std::string>& files,
                             const partition::MeshSlice& slice, const std::string& mesh_file);
+
+/// Throws InputError naming file, field and vertex for values that are no finite numbers. `first_vertex`,
+/// from 0: what the first of these is in the file.
+void check_values(const std::string& file, const Fields& fields, std::uint64_t first_vertex = 0);
 
 /// Returns call(), a transfer of fields; an InputError from it is thrown again with the mesh whose fault it
 /// is.

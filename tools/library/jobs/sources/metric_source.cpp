@@ -79,7 +79,15 @@ GivenMetric given_metric(const MetricOptions& options, const MetricInputs& input
   return given;
 }
 
-constexpr const char* kCut = "the metric need not be as asked for: the run was ended while it was made";
+constexpr const char* kDemandsAlone =
+    "the boundary's sizes are not as asked for: with no other metric beside them they are scaled to the "
+    "complexity";
+
+LogMetricMade cut(LogMetricMade made) {
+  made.warnings = {"the metric need not be as asked for: the run was ended while it was made"};
+  made.complexity = 0;
+  return made;
+}
 
 /// What takes no sweeps and no trials.
 bool limits_sizes_alone(const meshing::MetricLimits& limits, const meshing::LogMetricField* demands) {
@@ -95,45 +103,41 @@ double scale(const MetricOptions& options, const meshing::MetricDomain& domain,
   return meshing::fit_to_complexity(domain, options.complexity, limits, demands, field);
 }
 
-/// Scaled to the complexity, as fine as `demands`, limited and graded, so that it is the complexity that is
-/// met in the end. Returns warnings for the user.
-std::vector<std::string> process(const MetricOptions& options, const meshing::MetricDomain& domain,
-                                 const std::optional<meshing::LogMetricField>& demands,
-                                 meshing::LogMetricField& field) {
+/// `given`, scaled to the complexity, as fine as `demands`, limited and graded, so that it is the complexity
+/// that is met in the end.
+LogMetricMade process(const MetricOptions& options, const meshing::MetricDomain& domain,
+                      const std::optional<meshing::LogMetricField>& demands, meshing::LogMetricField given) {
   constexpr double kComplexityTolerance = 0.01;
   const meshing::LogMetricField* more = demands ? &*demands : nullptr;
-  double reached = options.complexity;
-  if (reached > 0) {
-    reached = scale(options, domain, more, field);
+  LogMetricMade made{std::move(given), {}};
+  if (options.complexity > 0) {
+    made.complexity = scale(options, domain, more, made.field);
   } else {
-    if (more) meshing::intersect_with(*more, field);
-    meshing::apply_limits(domain, limits_of(options), field);
+    if (more) meshing::intersect_with(*more, made.field);
+    meshing::apply_limits(domain, limits_of(options), made.field);
   }
-  if (!limits_sizes_alone(limits_of(options), more) && domain.interrupted()) return {kCut};
-  if (!(options.complexity > 0)) return {};
-  if (std::abs(reached / options.complexity - 1) <= kComplexityTolerance) return {};
-  return {fmt::format("limits and boundary sizes lead to a complexity of {} instead of {}", grouped(reached),
-                      grouped(options.complexity))};
+  if (!limits_sizes_alone(limits_of(options), more) && domain.interrupted()) return cut(std::move(made));
+  if (!(options.complexity > 0)) return made;
+  if (std::abs(made.complexity / options.complexity - 1) <= kComplexityTolerance) return made;
+  made.warnings = {fmt::format("limits and boundary sizes lead to a complexity of {} instead of {}",
+                               grouped(made.complexity), grouped(options.complexity))};
+  return made;
 }
 
 /// The same where a curved boundary limits what may be asked for.
 LogMetricMade within_surface(const MetricOptions& options, const meshing::MetricDomain& domain,
                              std::optional<meshing::LogMetricField> demands,
                              meshing::LogMetricField of_surface, meshing::LogMetricField given) {
-  LogMetricMade made{given, {}};
-  made.warnings = process(options, domain, demands, made.field);
-  if (domain.interrupted()) {
-    made.warnings = {kCut};
-    return made;
-  }
+  LogMetricMade made = process(options, domain, demands, given);
+  if (domain.interrupted()) return cut(std::move(made));
   // A complexity that is asked for stays in reach.
   constexpr double kMostOfComplexity = 0.5, kAny = std::numeric_limits<double>::infinity();
   auto limit = meshing::limit_of_surface(domain, std::move(of_surface), made.field,
                                          options.complexity > 0 ? kMostOfComplexity : kAny);
   if (!limit) return made;
   combine(std::move(limit->demand), demands);
-  made.field = std::move(given);
-  made.warnings = process(options, domain, demands, made.field);
+  made.field = {};
+  made = process(options, domain, demands, std::move(given));
   made.surface_limit = limit->account;
   return made;
 }
@@ -216,16 +220,16 @@ LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& 
     if (hmax > 0) limited.hmax = hmax;
     if (options.implied) combine(meshing::implied_metric(inputs.domain), field);
     std::optional<meshing::LogMetricField> demands = inputs.boundary_demand();
+    const bool demands_alone = !field && options.complexity > 0;
     if (!field) field = std::exchange(demands, std::nullopt);
     if (!field) throw InputError("", "", "no metric is given");
     std::optional<meshing::LogMetricField> of_surface =
         inputs.surface_demand ? inputs.surface_demand() : std::nullopt;
-    if (!of_surface) {
-      std::vector<std::string> warnings = process(limited, inputs.domain, demands, *field);
-      return {std::move(*field), std::move(warnings)};
-    }
-    return within_surface(limited, inputs.domain, std::move(demands), std::move(*of_surface),
-                          std::move(*field));
+    LogMetricMade made = of_surface ? within_surface(limited, inputs.domain, std::move(demands),
+                                                     std::move(*of_surface), std::move(*field))
+                                    : process(limited, inputs.domain, demands, std::move(*field));
+    if (demands_alone) made.warnings.emplace_back(kDemandsAlone);
+    return made;
   });
 }
 

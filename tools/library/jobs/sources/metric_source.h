@@ -63,6 +63,7 @@ struct LogMetricMade {
   meshing::LogMetricField field;
   std::vector<std::string> warnings;  ///< for the user
   meshing::SurfaceLimit surface_limit = {};
+  double complexity = 0;  ///< reached, where one is asked for; 0 where the run was ended meanwhile
 };
 /// The metric asked for, at the vertices of the domain, which errors call `mesh_name`: all that is given,
 /// intersected, and scaled so that it has the complexity once it is as fine
