@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <utility>
 
-#include "meshing/base/place_in.h"
 #include "meshing/base/release.h"
 #include "partition/communication/at_home.h"
 #include "partition/communication/ranges.h"
@@ -125,11 +123,9 @@ void FeatureCurves::name(const meshing::PieceOrder& order, std::span<const std::
   std::ranges::sort(at_home_, {}, &FeatureRecord::vertices);
 }
 
-std::vector<FeatureRecord> FeatureCurves::between(const std::vector<std::uint32_t>& vertices) const {
-  std::vector<FeatureRecord> found = told_at_home(peers_, asked_at_home(peers_, vertices), at_home_,
-                                                  [](const FeatureRecord& f) { return f.vertices[0]; });
-  std::erase_if(found,
-                [&](const FeatureRecord& f) { return !std::ranges::binary_search(vertices, f.vertices[1]); });
+std::vector<FeatureRecord> FeatureCurves::between(const std::vector<std::vector<std::uint32_t>>& asked,
+                                                  const std::vector<std::uint32_t>& vertices) const {
+  std::vector<FeatureRecord> found = told_between(peers_, asked, vertices, at_home_);
   std::ranges::sort(found, {}, &FeatureRecord::vertices);
   return found;
 }

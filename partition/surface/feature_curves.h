@@ -54,8 +54,10 @@ class FeatureCurves {
   /// How the named are dealt.
   const DealtPieces& dealt() const { return dealt_; }
 
-  /// When they are named: those between these vertices (ascending), by their vertices.
-  std::vector<FeatureRecord> between(const std::vector<std::uint32_t>& vertices) const;
+  /// When they are named: those between these vertices (ascending), by their vertices; `asked`:
+  /// asked_at_home() of these.
+  std::vector<FeatureRecord> between(const std::vector<std::vector<std::uint32_t>>& asked,
+                                     const std::vector<std::uint32_t>& vertices) const;
 
  private:
   /// A feature on its way to its place in the order.

@@ -414,7 +414,7 @@ void ShareBuilder::name_features() {
 
 /// All ranks: what is known of the features here.
 void ShareBuilder::take_features() {
-  const std::vector<FeatureRecord> records = curves_->between(local_->vertices);
+  const std::vector<FeatureRecord> records = curves_->between(local_->asked, local_->vertices);
   const std::size_t count = topology().features.size();
   std::vector<meshing::FeatureOnCurve> on(count);
   feature_names_.assign(count, kNoName);
@@ -517,6 +517,7 @@ void ShareBuilder::take_pieces() {
   name_pieces();
   if (model_) classify_pieces();
   meshing::release(own_told_);
+  meshing::release(local_->asked);
   neighbours_.reset();
   on_model_.reset();
   boundary_ = {};

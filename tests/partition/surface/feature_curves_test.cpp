@@ -16,6 +16,7 @@
 
 #include "meshing/base/box.h"
 #include "meshing/base/sort_unique.h"
+#include "partition/communication/at_home.h"
 #include "partition/communication/morton_shares.h"
 #include "partition/surface/joined_chains.h"
 #include "tests/partition/communication/threads_peers.h"
@@ -145,7 +146,7 @@ void expect_whole_curves(const Chains& chains, int ranks, bool scattered) {
       vertices.insert(vertices.end(), f.found.vertices.begin(), f.found.vertices.end());
     for (std::uint32_t v = 0; v < chains.num_vertices(); v += 3) vertices.push_back(v);
     meshing::sort_unique(vertices);
-    const std::vector<FeatureRecord> known = curves.between(vertices);
+    const std::vector<FeatureRecord> known = curves.between(asked_at_home(peers, vertices), vertices);
 
     const std::scoped_lock lock(mutex);
     ASSERT_EQ(curves.found().size(), whole.formed.curves.size());
@@ -189,7 +190,7 @@ TEST(FeatureCurves, MayBeNone) {
     EXPECT_TRUE(curves.first_edges().empty());
     curves.name(meshing::PieceOrder(meshing::Box{}), {}, {}, 3);
     EXPECT_EQ(curves.dealt().end(), 3u);
-    EXPECT_TRUE(curves.between({}).empty());
+    EXPECT_TRUE(curves.between(asked_at_home(peers, {}), {}).empty());
   });
 }
 
