@@ -72,7 +72,8 @@ std::vector<SurfaceNeighbours::Owned> SurfaceNeighbours::at(
 /// Edges between the vertices, and which of these are listed.
 void SurfaceNeighbours::add_listed(LocalSurface& local) const {
   local.asked = asked_at_home(peers_, local.vertices);
-  take_listed_points(peers_, local.asked, share_.listed_points, local.vertices, local.mesh);
+  if (share_.any_listed_points)
+    take_listed_points(peers_, local.asked, share_.listed_points, local.vertices, local.mesh);
   std::vector<BoundaryEdge> here = share_.edges;
   std::ranges::sort(here, {}, &BoundaryEdge::vertices);
   meshing::MeshData& mesh = local.mesh;
