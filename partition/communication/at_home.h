@@ -36,4 +36,15 @@ std::vector<T> told_at_home(Peers& peers, const std::vector<std::vector<std::uin
   return all_to_all_joined(peers, std::move(answers));
 }
 
+/// All ranks: the same of records of edges, whose `vertices` ascend: those between vertices that this rank
+/// has asked for, `mine` (ascending). `here` is sorted by lower vertices.
+template <class T>
+std::vector<T> told_between(Peers& peers, const std::vector<std::vector<std::uint32_t>>& asked,
+                            const std::vector<std::uint32_t>& mine, std::vector<T> here) {
+  std::vector<T> found =
+      told_at_home(peers, asked, std::move(here), [](const T& edge) { return edge.vertices[0]; });
+  std::erase_if(found, [&](const T& edge) { return !std::ranges::binary_search(mine, edge.vertices[1]); });
+  return found;
+}
+
 }  // namespace weft::partition

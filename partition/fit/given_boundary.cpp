@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "meshing/base/place_in.h"
-#include "meshing/base/sort_unique.h"
 #include "meshing/kernel/complete.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/mesh/tet_tables.h"

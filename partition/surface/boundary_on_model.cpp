@@ -17,15 +17,13 @@ using meshing::JointRef;
 
 /// All ranks: the records of the vertices here, which any rank may have.
 template <class Record>
-std::vector<Record> records_here(Peers& peers, const std::vector<Record>& mine,
-                                 const std::vector<std::vector<std::uint32_t>>& asked,
-                                 const LocalSurface& local) {
-  std::vector<std::vector<Record>> to_each(asked.size());
+std::vector<Record> records_here(Peers& peers, const std::vector<Record>& mine, const LocalSurface& local) {
+  std::vector<std::vector<Record>> to_each(local.asked.size());
   for (const Record& r : mine) to_each[r.vertex % to_each.size()].push_back(r);
   std::vector<Record> at_home = all_to_all_joined(peers, std::move(to_each));
   std::ranges::sort(at_home, {}, &Record::vertex);
   std::vector<Record> here =
-      told_at_home(peers, asked, std::move(at_home), [](const Record& r) { return r.vertex; });
+      told_at_home(peers, local.asked, std::move(at_home), [](const Record& r) { return r.vertex; });
   for (Record& r : here) r.vertex = static_cast<std::uint32_t>(meshing::place_in(local.vertices, r.vertex));
   return here;
 }
@@ -41,14 +39,11 @@ meshing::JointRefs joint_refs(Peers& peers, std::vector<JointRef> mine) {
 BoundaryOnModel::BoundaryOnModel(Peers& peers, BoundaryShare& boundary, const FetchPoints& points,
                                  std::shared_ptr<const meshing::Model> model) {
   LocalSurface local = SurfaceNeighbours(peers, boundary, points).around(boundary.triangles);
-  {
-    const auto asked = asked_at_home(peers, local.vertices);
-    meshing::Association& records = local.mesh.association;
-    records.nodes = records_here(peers, boundary.on_model.nodes, asked, local);
-    records.edges = records_here(peers, boundary.on_model.edges, asked, local);
-    records.faces = records_here(peers, boundary.on_model.faces, asked, local);
-    boundary.on_model = {};
-  }
+  meshing::Association& records = local.mesh.association;
+  records.nodes = records_here(peers, boundary.on_model.nodes, local);
+  records.edges = records_here(peers, boundary.on_model.edges, local);
+  records.faces = records_here(peers, boundary.on_model.faces, local);
+  boundary.on_model = {};
   std::vector<std::uint32_t> own;
   for (const BoundaryTriangle& t : boundary.triangles) own.push_back(t.number);
   meshing::ModelClassification found =

@@ -33,11 +33,7 @@ std::vector<EdgeOnModel> edges_sent_home(Peers& peers, const LocalSurface& local
 
 std::vector<EdgeOnModel> edges_between(Peers& peers, const LocalSurface& local,
                                        const std::vector<EdgeOnModel>& at_home) {
-  std::vector<EdgeOnModel> edges = told_at_home(peers, asked_at_home(peers, local.vertices), at_home,
-                                                [](const EdgeOnModel& e) { return e.vertices[0]; });
-  std::erase_if(edges, [&](const EdgeOnModel& e) {
-    return !std::ranges::binary_search(local.vertices, e.vertices[1]);
-  });
+  std::vector<EdgeOnModel> edges = told_between(peers, local.asked, local.vertices, at_home);
   for (EdgeOnModel& e : edges)
     for (std::uint32_t& v : e.vertices) v = static_cast<std::uint32_t>(meshing::place_in(local.vertices, v));
   std::ranges::sort(edges, {}, &EdgeOnModel::vertices);

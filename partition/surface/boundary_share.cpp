@@ -319,7 +319,8 @@ void take_edges(std::uint64_t num_edges, std::span<const ListedEdge> listed, std
       b.edges.push_back({edge, 0, 1});
 }
 
-void complete_edges(Peers& peers, std::uint64_t num_edges, const MeshData& m,
+/// All ranks: edges, and the lists of points.
+void complete_lists(Peers& peers, std::uint64_t num_edges, const MeshData& m,
                     const std::vector<Triangle>& outer, BoundaryShare& b) {
   std::uint64_t dropped = 0;
   std::vector<ListedEdge> listed;
@@ -331,9 +332,12 @@ void complete_edges(Peers& peers, std::uint64_t num_edges, const MeshData& m,
   const std::vector<Edge> touching = meshing::edges_of_several(
       sides_at_home(peers, outer, [](const Triangle& t) -> const Triangle& { return t; }));
   take_edges(num_edges, listed, touching, b);
-  const auto counts = partition::sum(peers, std::vector<std::uint64_t>{dropped, touching.size()});
+  const std::uint64_t points = m.corners.size() + m.required_points.size();
+  const auto counts = partition::sum(peers, std::vector<std::uint64_t>{dropped, touching.size(), points});
   if (counts[0] > 0) b.warnings.push_back(meshing::dropped_edges_warning(counts[0]));
   if (counts[1] > 0) b.warnings.push_back(meshing::touching_edges_warning(counts[1]));
+  b.any_listed_points = counts[2] > 0;
+  if (b.any_listed_points) b.listed_points = listed_points_at_home(peers, m);
 }
 
 /// In the words in which the topology of a surface refuses them: that of a share would do so on one rank
@@ -368,8 +372,7 @@ BoundaryShare complete_boundary(Peers& peers, MeshSlice& slice, const PlacedTets
   }
   BoundaryShare b;
   take_triangles(peers, slice.num_triangles, findings, tets, b);
-  complete_edges(peers, slice.num_edges, mine, findings.outer, b);
-  b.listed_points = listed_points_at_home(peers, mine);
+  complete_lists(peers, slice.num_edges, mine, findings.outer, b);
   b.on_model = std::move(mine.association);
   return b;
 }
@@ -378,8 +381,7 @@ BoundaryShare listed_boundary(Peers& peers, const MeshSlice& slice) {
   BoundaryShare b;
   b.triangles = listed_triangles(peers, slice.boundary);
   refuse_collapsed(peers, b.triangles);
-  complete_edges(peers, slice.num_edges, slice.boundary, {}, b);
-  b.listed_points = listed_points_at_home(peers, slice.boundary);
+  complete_lists(peers, slice.num_edges, slice.boundary, {}, b);
   b.on_model = slice.boundary.association;
   return b;
 }

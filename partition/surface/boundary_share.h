@@ -36,6 +36,7 @@ struct BoundaryShare {
   std::vector<BoundaryTriangle> triangles;  ///< each on one rank
   std::vector<BoundaryEdge> edges;          ///< each once, where its lower vertex modulo the ranks says
   std::vector<ListedPoint> listed_points;   ///< likewise, ascending
+  bool any_listed_points = true;            ///< false, on all ranks: none has any
   meshing::Association on_model;            ///< the slice's records of vertices, without a model
   std::vector<std::string> warnings;        ///< what was repaired, in the words of meshing::import_mesh
 };

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <utility>
 
-#include "meshing/base/place_in.h"
 #include "meshing/base/release.h"
 #include "partition/communication/at_home.h"
 #include "partition/communication/ranges.h"
@@ -39,23 +37,28 @@ FeatureCurves::FeatureCurves(Peers& peers, const std::vector<OwnFeature>& mine) 
 }
 
 /// All ranks: of whole curves, from each rank.
-void FeatureCurves::form(const std::vector<std::vector<OwnFeature>>& arrived) {
+void FeatureCurves::form(std::vector<std::vector<OwnFeature>> arrived) {
   struct Told {
     OwnFeature feature;
     std::uint32_t by;
   };
   std::vector<Told> all;
-  for (std::uint32_t r = 0; r < arrived.size(); ++r)
+  for (std::uint32_t r = 0; r < arrived.size(); ++r) {
     for (const OwnFeature& f : arrived[r]) all.push_back({f, r});
+    meshing::release(arrived[r]);
+  }
   std::ranges::sort(all, {}, [](const Told& f) { return f.feature.found.vertices; });
+  std::vector<bool> beside_pieces;  // by feature
   for (const Told& f : all) {
     here_.push_back(f.feature.found);
     told_by_.push_back(f.by);
+    beside_pieces.push_back(f.feature.beside_pieces != 0);
   }
+  meshing::release(all);
   meshing::FormedCurves formed = meshing::form_curves(here_);
   std::vector<std::uint8_t> beside(formed.curves.size(), 0);
-  for (std::size_t f = 0; f < all.size(); ++f)
-    if (all[f].feature.beside_pieces) beside[formed.of_features[f].curve.value] = 1;
+  for (std::size_t f = 0; f < here_.size(); ++f)
+    if (beside_pieces[f]) beside[formed.of_features[f].curve.value] = 1;
   on_ = std::move(formed.of_features);
   number_curves(std::move(formed.curves), std::move(beside));
 }
@@ -102,38 +105,27 @@ std::vector<FeatureCurves::Keyed> FeatureCurves::in_order(const meshing::PieceOr
   return all;
 }
 
-std::vector<std::array<std::uint32_t, 2>> FeatureCurves::name(const meshing::PieceOrder& order,
-                                                              std::span<const std::uint64_t> firsts,
-                                                              std::span<const std::uint8_t> in_pieces,
-                                                              std::uint32_t first_piece) {
+void FeatureCurves::name(const meshing::PieceOrder& order, std::span<const std::uint64_t> firsts,
+                         std::span<const std::uint8_t> in_pieces, std::uint32_t first_piece) {
   std::vector<Keyed> mine = in_order(order, firsts, in_pieces);
   const auto named =
       static_cast<std::size_t>(std::ranges::lower_bound(mine, kInNoPiece, {}, &Keyed::key) - mine.begin());
   const Ranges places(peers_, named);
-  dealt_ = DealtPieces(places.total(), peers_.ranks());
-  const auto ranks = static_cast<std::size_t>(peers_.ranks());
-  std::vector<std::vector<std::array<std::uint32_t, 2>>> to_makers(ranks);
-  std::vector<std::vector<FeatureRecord>> to_homes(ranks);
+  dealt_ = DealtPieces(places.total(), first_piece, peers_.ranks());
+  std::vector<std::vector<FeatureRecord>> to_homes(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t i = 0; i < mine.size(); ++i) {
     FeatureRecord& record = mine[i].record;
-    if (i < named) {
-      const std::uint64_t place = places.first(peers_.rank()) + i;
-      record.name = meshing::name_in_order(place, first_piece);
-      to_makers[dealt_.maker(place)].push_back(record.vertices);
-    }
-    to_homes[record.vertices[0] % ranks].push_back(record);
+    if (i < named) record.name = dealt_.name(places.first(peers_.rank()) + i);
+    to_homes[record.vertices[0] % to_homes.size()].push_back(record);
   }
   meshing::release(mine);
   at_home_ = all_to_all_joined(peers_, std::move(to_homes));
   std::ranges::sort(at_home_, {}, &FeatureRecord::vertices);
-  return all_to_all_joined(peers_, std::move(to_makers));
 }
 
-std::vector<FeatureRecord> FeatureCurves::between(const std::vector<std::uint32_t>& vertices) const {
-  std::vector<FeatureRecord> found = told_at_home(peers_, asked_at_home(peers_, vertices), at_home_,
-                                                  [](const FeatureRecord& f) { return f.vertices[0]; });
-  std::erase_if(found,
-                [&](const FeatureRecord& f) { return !std::ranges::binary_search(vertices, f.vertices[1]); });
+std::vector<FeatureRecord> FeatureCurves::between(const std::vector<std::vector<std::uint32_t>>& asked,
+                                                  const std::vector<std::uint32_t>& vertices) const {
+  std::vector<FeatureRecord> found = told_between(peers_, asked, vertices, at_home_);
   std::ranges::sort(found, {}, &FeatureRecord::vertices);
   return found;
 }

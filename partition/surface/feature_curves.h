@@ -48,17 +48,16 @@ class FeatureCurves {
   std::vector<FirstEdge> first_edges() const;
 
   /// Names the edges of these curves (`in_pieces`, by curve), for pieces that begin with number
-  /// `first_piece`; `firsts`: where ranks begin along the order (first_keys()). Returns the edges of this
-  /// rank's pieces, in order. Once.
-  std::vector<std::array<std::uint32_t, 2>> name(const meshing::PieceOrder& order,
-                                                 std::span<const std::uint64_t> firsts,
-                                                 std::span<const std::uint8_t> in_pieces,
-                                                 std::uint32_t first_piece);
+  /// `first_piece`; `firsts`: where ranks begin along the order (first_keys()). Once.
+  void name(const meshing::PieceOrder& order, std::span<const std::uint64_t> firsts,
+            std::span<const std::uint8_t> in_pieces, std::uint32_t first_piece);
   /// How the named are dealt.
   const DealtPieces& dealt() const { return dealt_; }
 
-  /// When they are named: those between these vertices (ascending), by their vertices.
-  std::vector<FeatureRecord> between(const std::vector<std::uint32_t>& vertices) const;
+  /// When they are named: those between these vertices (ascending), by their vertices; `asked`:
+  /// asked_at_home() of these.
+  std::vector<FeatureRecord> between(const std::vector<std::vector<std::uint32_t>>& asked,
+                                     const std::vector<std::uint32_t>& vertices) const;
 
  private:
   /// A feature on its way to its place in the order.
@@ -67,7 +66,7 @@ class FeatureCurves {
     FeatureRecord record;
   };
 
-  void form(const std::vector<std::vector<OwnFeature>>& arrived);
+  void form(std::vector<std::vector<OwnFeature>> arrived);
   void number_curves(std::vector<meshing::FoundCurve> formed, std::vector<std::uint8_t> beside);
   std::vector<Keyed> in_order(const meshing::PieceOrder& order, std::span<const std::uint64_t> firsts,
                               std::span<const std::uint8_t> in_pieces);
@@ -78,7 +77,7 @@ class FeatureCurves {
   std::vector<meshing::FoundFeature> here_;  // of the curves formed here, in the order of their vertices
   std::vector<meshing::FeatureOnCurve> on_;  // of these
   std::vector<std::uint32_t> told_by_;       // ranks
-  DealtPieces dealt_{0, 1};
+  DealtPieces dealt_;
   std::vector<FeatureRecord> at_home_;  // in the order of their vertices
 };
 

@@ -71,14 +71,13 @@ std::vector<SurfaceNeighbours::Owned> SurfaceNeighbours::at(
 
 /// Edges between the vertices, and which of these are listed.
 void SurfaceNeighbours::add_listed(LocalSurface& local) const {
-  const auto asked = asked_at_home(peers_, local.vertices);
-  take_listed_points(peers_, asked, share_.listed_points, local.vertices, local.mesh);
+  local.asked = asked_at_home(peers_, local.vertices);
+  if (share_.any_listed_points)
+    take_listed_points(peers_, local.asked, share_.listed_points, local.vertices, local.mesh);
   std::vector<BoundaryEdge> here = share_.edges;
   std::ranges::sort(here, {}, &BoundaryEdge::vertices);
   meshing::MeshData& mesh = local.mesh;
-  for (const BoundaryEdge& e : told_at_home(peers_, asked, std::move(here),
-                                            [](const BoundaryEdge& edge) { return edge.vertices[0]; })) {
-    if (!std::ranges::binary_search(local.vertices, e.vertices[1])) continue;
+  for (const BoundaryEdge& e : told_between(peers_, local.asked, local.vertices, std::move(here))) {
     if (e.required) mesh.required_edges.push_back(static_cast<std::uint32_t>(mesh.edges.size()));
     mesh.edges.push_back({static_cast<std::uint32_t>(meshing::place_in(local.vertices, e.vertices[0])),
                           static_cast<std::uint32_t>(meshing::place_in(local.vertices, e.vertices[1]))});

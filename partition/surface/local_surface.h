@@ -16,11 +16,12 @@ namespace weft::partition {
 
 /// Vertices and triangles have the order that they have in the boundary.
 struct LocalSurface {
-  meshing::MeshData mesh;                ///< numbered by entries of `vertices`
-  std::vector<std::uint32_t> triangles;  ///< numbers in the boundary, ascending
-  std::vector<std::uint32_t> vertices;   ///< numbers in the whole input, ascending
-  std::vector<std::uint8_t> rings;       ///< meshing::SurfaceTopology::rings
-  std::vector<std::uint32_t> owners;     ///< ranks that own the triangles
+  meshing::MeshData mesh;                         ///< numbered by entries of `vertices`
+  std::vector<std::uint32_t> triangles;           ///< numbers in the boundary, ascending
+  std::vector<std::uint32_t> vertices;            ///< numbers in the whole input, ascending
+  std::vector<std::uint8_t> rings;                ///< meshing::SurfaceTopology::rings
+  std::vector<std::uint32_t> owners;              ///< ranks that own the triangles
+  std::vector<std::vector<std::uint32_t>> asked;  ///< asked_at_home() of the vertices
 };
 
 /// All ranks: what the owners of the triangles here know of them. `own`: numbers of the triangles that this

@@ -113,10 +113,9 @@ class ShareBuilder {
   void add_vertices();
   void add_listed_vertices();
   void take_pieces();
+  void name_pieces();
   void classify_pieces();
   std::vector<BoundaryTriangle> triangles_to_make();
-  std::vector<BoundaryTriangle> deal_triangles(const DealtPieces& dealt);
-  std::vector<BoundaryTriangle> deal_features();
   void cut();
   SurfaceParts finish();
 
@@ -128,11 +127,7 @@ class ShareBuilder {
   }
   BoundaryTriangle triangle(std::uint32_t place) const;
   /// By numbers of the whole; kNone where there is none here.
-  std::uint32_t feature_between(const meshing::SurfaceTopology& topology,
-                                const std::array<std::uint32_t, 2>& vertices) const;
-  std::uint32_t feature_between(const std::array<std::uint32_t, 2>& vertices) const {
-    return feature_between(topology(), vertices);
-  }
+  std::uint32_t feature_between(const std::array<std::uint32_t, 2>& vertices) const;
   bool alone() const { return peers_.ranks() == 1; }
   const meshing::SurfaceTopology& topology() const { return builder_->so_far(); }
 
@@ -158,15 +153,12 @@ class ShareBuilder {
   std::vector<meshing::Patch> fitted_;         // patches as the points tell, with or without a model
   std::vector<meshing::Curve> fitted_curves_;  // curves likewise
   std::vector<std::uint64_t> firsts_;          // where shares begin along the order
-  std::uint64_t named_ = 0;                    // triangles
+  DealtPieces dealt_;                          // triangles
   std::shared_ptr<meshing::SurfaceTables> tables_ = std::make_shared<meshing::SurfaceTables>();
 
-  std::vector<std::uint32_t> my_order_;  // places of own triangles in pieces, in their order
-  std::uint64_t my_first_ = 0;           // place of the first of them
   std::optional<FeatureCurves> curves_;
-  std::vector<std::array<std::uint32_t, 2>> piece_features_;  // of this rank's pieces, in order
-  std::vector<std::uint32_t> feature_names_;                  // by feature here
-  std::vector<std::uint8_t> required_;                        // by patch
+  std::vector<std::uint32_t> feature_names_;  // by feature here
+  std::vector<std::uint8_t> required_;        // by patch
   // Of what pieces are made of:
   meshing::SurfaceNames names_;
   meshing::ModelClassification classification_;
@@ -226,16 +218,15 @@ BoundaryTriangle ShareBuilder::triangle(std::uint32_t place) const {
 }
 
 /// Both orders are ascending.
-std::uint32_t ShareBuilder::feature_between(const meshing::SurfaceTopology& topology,
-                                            const std::array<std::uint32_t, 2>& vertices) const {
+std::uint32_t ShareBuilder::feature_between(const std::array<std::uint32_t, 2>& vertices) const {
   const auto place = [&](std::uint32_t number) {
     return static_cast<std::uint32_t>(meshing::place_in(local_->vertices, number));
   };
   const std::array<std::uint32_t, 2> here{place(vertices[0]), place(vertices[1])};
-  const auto found =
-      std::ranges::lower_bound(topology.features, here, {}, &meshing::Surface::FeatureEdge::vertices);
-  return found != topology.features.end() && found->vertices == here
-             ? static_cast<std::uint32_t>(found - topology.features.begin())
+  const auto& features = topology().features;
+  const auto found = std::ranges::lower_bound(features, here, {}, &meshing::Surface::FeatureEdge::vertices);
+  return found != features.end() && found->vertices == here
+             ? static_cast<std::uint32_t>(found - features.begin())
              : meshing::kNone;
 }
 
@@ -407,28 +398,23 @@ void ShareBuilder::name_triangles() {
       keys.emplace_back(order_.key(corners(local_->mesh, topology().triangles[t])), i);
   });
   std::ranges::sort(keys);
-  const auto counts = allgather(peers_, std::vector<std::uint64_t>{keys.size()});
-  for (std::size_t r = 0; r < counts.size(); ++r) {
-    if (r == static_cast<std::size_t>(peers_.rank())) my_first_ = named_;
-    named_ += counts[r][0];
-  }
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    own_told_[keys[k].second].name = meshing::name_in_order(my_first_ + k, 0);
-    my_order_.push_back(keys[k].second);
-  }
+  const Ranges places(peers_, keys.size());
+  dealt_ = DealtPieces(places.total(), 0, peers_.ranks());
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    own_told_[keys[k].second].name = dealt_.name(places.first(peers_.rank()) + k);
 }
 
 void ShareBuilder::name_features() {
   tables_->curve_in_pieces = curves_asked_for(*tables_);
   for (std::size_t c = 0; c < tables_->curve_in_pieces.size(); ++c)
     tables_->curve_in_pieces[c] |= curves_->beside_pieces()[c];
-  piece_features_ = curves_->name(order_, firsts_, tables_->curve_in_pieces, meshing::pieces_of(named_));
+  curves_->name(order_, firsts_, tables_->curve_in_pieces, dealt_.end());
   take_features();
 }
 
 /// All ranks: what is known of the features here.
 void ShareBuilder::take_features() {
-  const std::vector<FeatureRecord> records = curves_->between(local_->vertices);
+  const std::vector<FeatureRecord> records = curves_->between(local_->asked, local_->vertices);
   const std::size_t count = topology().features.size();
   std::vector<meshing::FeatureOnCurve> on(count);
   feature_names_.assign(count, kNoName);
@@ -490,45 +476,26 @@ void ShareBuilder::add_records() {
   });
 }
 
-/// All ranks: the triangles of this rank's pieces, in order.
-std::vector<BoundaryTriangle> ShareBuilder::deal_triangles(const DealtPieces& dealt) {
+/// All ranks: the triangles of this rank's pieces, and those at the features of its others.
+std::vector<BoundaryTriangle> ShareBuilder::triangles_to_make() {
   std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
-  for (std::size_t i = 0; i < my_order_.size(); ++i)
-    to_each[dealt.maker(my_first_ + i)].push_back(boundary_.triangles[my_order_[i]]);
-  return all_to_all_joined(peers_, std::move(to_each));
-}
-
-/// All ranks: the triangles at the features of this rank's pieces.
-std::vector<BoundaryTriangle> ShareBuilder::deal_features() {
-  std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  for (std::size_t i = 0; i < own_told_.size(); ++i)
+    if (const std::uint32_t name = own_told_[i].name; name != kNoName)
+      to_each[dealt_.maker(name)].push_back(boundary_.triangles[i]);
   topology().for_each_own_feature([&](std::uint32_t f) {
     if (feature_names_[f] == kNoName) return;
-    auto& list = to_each[curves_->dealt().maker(
-        meshing::place_in_order(feature_names_[f], meshing::pieces_of(named_)))];
+    auto& list = to_each[curves_->dealt().maker(feature_names_[f])];
     for (const std::uint32_t t : topology().triangles_at(f)) list.push_back(triangle(t));
   });
-  return all_to_all_joined(peers_, std::move(to_each));
-}
-
-/// The triangles of this rank's pieces, and those at the features of its others.
-std::vector<BoundaryTriangle> ShareBuilder::triangles_to_make() {
-  const int me = peers_.rank();
-  const DealtPieces dealt(named_, peers_.ranks());
-  std::vector<BoundaryTriangle> all = deal_triangles(dealt);
-  names_.of_triangles.first = dealt.first(me);
-  for (const BoundaryTriangle& t : all) names_.of_triangles.members.push_back(t.number);
-  names_.of_features.first = dealt.count() + curves_->dealt().first(me);
-  const std::vector<BoundaryTriangle> beside = deal_features();
-  all.insert(all.end(), beside.begin(), beside.end());
+  std::vector<BoundaryTriangle> all = all_to_all_joined(peers_, std::move(to_each));
   meshing::sort_unique(all, &BoundaryTriangle::number);
   return all;
 }
 
 /// From the share to what is to be cut.
 void ShareBuilder::take_pieces() {
-  std::vector<BoundaryTriangle> own = triangles_to_make();
   if (!alone()) {
-    begin(std::move(own));
+    begin(triangles_to_make());
     take_normals();
     builder_->components();
   }
@@ -547,12 +514,20 @@ void ShareBuilder::take_pieces() {
     builder_->classify_vertices();
     take_features();
   }
-  curves_.reset();
+  name_pieces();
   if (model_) classify_pieces();
   meshing::release(own_told_);
+  meshing::release(local_->asked);
   neighbours_.reset();
   on_model_.reset();
   boundary_ = {};
+}
+
+void ShareBuilder::name_pieces() {
+  names_.features = std::move(feature_names_);
+  names_.of_triangles = dealt_.made(peers_.rank(), names_.triangles);
+  names_.of_features = curves_->dealt().made(peers_.rank(), names_.features);
+  curves_.reset();
 }
 
 /// What the share knows of the model, of what pieces are made of.
@@ -569,11 +544,6 @@ void ShareBuilder::classify_pieces() {
 void ShareBuilder::cut() {
   meshing::SurfaceTopology topology = builder_->take();
   builder_.reset();
-  names_.features = std::move(feature_names_);
-  for (std::uint32_t& t : names_.of_triangles.members)
-    t = static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t));
-  for (const auto& vertices : piece_features_)
-    names_.of_features.members.push_back(feature_between(topology, vertices));
   auto handles = control_points(local_->mesh.points, fitted_, fitted_curves_, topology);
   const auto cutter = std::make_shared<meshing::SurfaceCutter>(
       meshing::UncutSurface{local_->mesh.points, std::move(topology), std::move(handles),

@@ -30,8 +30,8 @@ struct SurfaceParts {
 /// for patches, curves, planes and what is told of vertices; then by pieces of the surface, for the shape and
 /// the pieces. With a model (or null) each share is classified on it first. Patches, curves, names and pieces
 /// are those of the whole surface, for any number of ranks. All ranks know patches and curves, and which
-/// vertices are on the model's nodes. Gives the boundary back. Adds to the
-/// warnings. All ranks call together, and throw alike.
+/// vertices are on the model's nodes. Gives the boundary back. Adds to the warnings. All ranks call together,
+/// and throw alike.
 SurfaceParts build_surface_parts(Peers& peers, BoundaryShare&& boundary, const FetchPoints& points,
                                  double ridge_angle_degrees,
                                  const std::shared_ptr<const meshing::Model>& model,

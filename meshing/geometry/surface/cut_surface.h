@@ -56,11 +56,6 @@ inline std::uint32_t name_in_order(std::size_t place, std::uint32_t first_piece)
                       static_cast<std::uint32_t>(place % kSurfacePieceSize));
 }
 
-/// The place of what has this name.
-inline std::size_t place_in_order(std::uint32_t name, std::uint32_t first_piece) {
-  return std::size_t{piece_of_name(name) - first_piece} * kSurfacePieceSize + place_of_name(name);
-}
-
 /// Consecutive pieces that a cutter can make.
 struct MadePieces {
   std::uint32_t first = 0;             ///< piece

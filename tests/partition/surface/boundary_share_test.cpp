@@ -59,6 +59,11 @@ MeshData mesh_with_edges(unsigned seed) {
   }
   std::ranges::shuffle(mesh.required_edges, random);
   mesh.required_triangles = {0, static_cast<std::uint32_t>(mesh.triangles.size()) - 1};
+  mesh.corners.clear();
+  for (unsigned i = 0; i < 10 * (seed % 2); ++i) {  // some in both lists, some twice in one
+    mesh.corners.push_back(mesh.triangles[random() % mesh.triangles.size()][i % 3]);
+    mesh.required_points.push_back(i % 3 ? mesh.corners[random() % mesh.corners.size()] : mesh.tets[i][0]);
+  }
   return mesh;
 }
 
@@ -75,11 +80,14 @@ TEST(BoundaryShare, HasEachTriangleAndEdgeOnceAsTheListsLeaveIt) {
       touching_edges += meshing::require_touching_edges(whole.mesh.triangles, expected);
       std::mutex mutex;
       std::map<std::uint32_t, BoundaryTriangle> triangles;
+      std::map<std::uint32_t, std::uint32_t> points, expected_points;  // vertices and flags
+      for (const std::uint32_t v : whole.mesh.corners) expected_points[v] |= meshing::kListedCorner;
+      for (const std::uint32_t v : whole.mesh.required_points) expected_points[v] |= meshing::kListedRequired;
       Edges edges;
       support::run_ranks(ranks, [&](Peers& peers) {
         MeshSlice slice = support::slice_of(whole, peers.rank(), ranks, seed);
-        const Ranges points(peers, slice.points.size()), tets(peers, slice.tets.size());
-        const BoundaryShare share = complete_boundary(peers, slice, placed(slice.tets), points, tets);
+        const Ranges of_points(peers, slice.points.size()), tets(peers, slice.tets.size());
+        const BoundaryShare share = complete_boundary(peers, slice, placed(slice.tets), of_points, tets);
         EXPECT_TRUE(slice.boundary.triangles.empty());
         const std::lock_guard lock(mutex);
         for (const BoundaryTriangle& t : share.triangles) EXPECT_TRUE(triangles.emplace(t.number, t).second);
@@ -87,6 +95,12 @@ TEST(BoundaryShare, HasEachTriangleAndEdgeOnceAsTheListsLeaveIt) {
           EXPECT_EQ(e.vertices[0] % static_cast<std::uint32_t>(ranks),
                     static_cast<std::uint32_t>(peers.rank()));
           EXPECT_TRUE(edges.emplace(e.vertices, Known{e.ref, e.required != 0}).second);
+        }
+        EXPECT_EQ(share.any_listed_points, !expected_points.empty());
+        EXPECT_TRUE(std::ranges::is_sorted(share.listed_points, {}, &ListedPoint::vertex));
+        for (const auto& [v, flags] : share.listed_points) {
+          EXPECT_EQ(v % static_cast<std::uint32_t>(ranks), static_cast<std::uint32_t>(peers.rank()));
+          EXPECT_TRUE(points.emplace(v, flags).second);
         }
         if (ranks == 8) {
           EXPECT_LT(share.triangles.size(), whole.mesh.triangles.size() / 3);
@@ -99,6 +113,7 @@ TEST(BoundaryShare, HasEachTriangleAndEdgeOnceAsTheListsLeaveIt) {
         EXPECT_EQ(t.required != 0, std::ranges::count(whole.mesh.required_triangles, number) > 0);
       }
       EXPECT_EQ(edges, edges_of(expected));
+      EXPECT_EQ(points, expected_points);
     }
   EXPECT_GT(touching_edges, 0u);
 }

@@ -16,6 +16,7 @@
 
 #include "meshing/base/box.h"
 #include "meshing/base/sort_unique.h"
+#include "partition/communication/at_home.h"
 #include "partition/communication/morton_shares.h"
 #include "partition/surface/joined_chains.h"
 #include "tests/partition/communication/threads_peers.h"
@@ -119,7 +120,7 @@ struct Whole {
     names.assign(features.size(), meshing::kNoName);
     for (std::size_t i = 0; i < keys.size(); ++i)
       names[keys[i].second] = meshing::name_in_order(i, kFirstPiece);
-    for (const auto& [key, f] : keys) in_order.push_back(features[f].vertices);
+    end = kFirstPiece + meshing::pieces_of(keys.size());
   }
 
   static constexpr std::uint32_t kFirstPiece = 5;
@@ -127,26 +128,25 @@ struct Whole {
   meshing::PieceOrder order{meshing::Box{}};
   std::vector<std::uint8_t> beside, in_pieces;
   std::vector<std::uint32_t> names;
-  std::vector<std::array<std::uint32_t, 2>> in_order;
+  std::uint32_t end = 0;  // of the pieces
 };
 
 void expect_whole_curves(const Chains& chains, int ranks, bool scattered) {
   const std::vector<FoundFeature>& all = chains.features();
   const Whole whole(all);
   std::mutex mutex;
-  std::vector<std::vector<std::array<std::uint32_t, 2>>> pieces(static_cast<std::size_t>(ranks));
   support::run_ranks(ranks, [&](Peers& peers) {
     const std::vector<OwnFeature> mine = share_of(all, peers, scattered);
     FeatureCurves curves(peers, mine);
     const auto first_edges = curves.first_edges();
-    auto of_pieces = curves.name(whole.order, first_keys(peers, keys_of(whole.order, mine)), whole.in_pieces,
-                                 Whole::kFirstPiece);
+    curves.name(whole.order, first_keys(peers, keys_of(whole.order, mine)), whole.in_pieces,
+                Whole::kFirstPiece);
     std::vector<std::uint32_t> vertices;  // of this rank's, and some more
     for (const OwnFeature& f : mine)
       vertices.insert(vertices.end(), f.found.vertices.begin(), f.found.vertices.end());
     for (std::uint32_t v = 0; v < chains.num_vertices(); v += 3) vertices.push_back(v);
     meshing::sort_unique(vertices);
-    const std::vector<FeatureRecord> known = curves.between(vertices);
+    const std::vector<FeatureRecord> known = curves.between(asked_at_home(peers, vertices), vertices);
 
     const std::scoped_lock lock(mutex);
     ASSERT_EQ(curves.found().size(), whole.formed.curves.size());
@@ -168,11 +168,8 @@ void expect_whole_curves(const Chains& chains, int ranks, bool scattered) {
       ++at;
     }
     EXPECT_EQ(at, known.size());
-    pieces[static_cast<std::size_t>(peers.rank())] = std::move(of_pieces);
+    EXPECT_EQ(curves.dealt().end(), whole.end);
   });
-  std::vector<std::array<std::uint32_t, 2>> joined;
-  for (const auto& of_rank : pieces) joined.insert(joined.end(), of_rank.begin(), of_rank.end());
-  EXPECT_EQ(joined, whole.in_order);
 }
 
 TEST(FeatureCurves, AreThoseOfAllFeaturesTogether) {
@@ -191,9 +188,34 @@ TEST(FeatureCurves, MayBeNone) {
     FeatureCurves curves(peers, {});
     EXPECT_TRUE(curves.found().empty());
     EXPECT_TRUE(curves.first_edges().empty());
-    EXPECT_TRUE(curves.name(meshing::PieceOrder(meshing::Box{}), {}, {}, 0).empty());
-    EXPECT_TRUE(curves.between({}).empty());
+    curves.name(meshing::PieceOrder(meshing::Box{}), {}, {}, 3);
+    EXPECT_EQ(curves.dealt().end(), 3u);
+    EXPECT_TRUE(curves.between(asked_at_home(peers, {}), {}).empty());
   });
+}
+
+TEST(DealtPieces, AreOfOneRankEachInTheOrderOfNames) {
+  constexpr std::uint32_t kFirst = 7;
+  for (const std::uint32_t things : {0u, 1u, 128u, 129u, 1000u})
+    for (const int ranks : support::kNumbersOfRanks) {
+      SCOPED_TRACE(::testing::Message() << things << " things, ranks " << ranks);
+      const DealtPieces dealt(things, kFirst, ranks);
+      std::vector<std::uint32_t> names{meshing::kNoName}, expected, joined;
+      for (std::uint32_t i = 0; i < things; ++i) expected.push_back(dealt.name(i));
+      names.insert(names.end(), expected.rbegin(), expected.rend());
+      std::uint32_t next = kFirst;
+      for (int rank = 0; rank < ranks; ++rank) {
+        const meshing::MadePieces made = dealt.made(rank, names);
+        EXPECT_EQ(made.first, next);
+        next += meshing::pieces_of(made.members.size());
+        for (const std::uint32_t i : made.members) {
+          EXPECT_EQ(dealt.maker(names[i]), static_cast<std::size_t>(rank));
+          joined.push_back(names[i]);
+        }
+      }
+      EXPECT_EQ(next, dealt.end());
+      EXPECT_EQ(joined, expected);
+    }
 }
 
 /// No rank forms more than its share and one curve.

@@ -25,6 +25,7 @@
 #include "meshing/geometry/model/model.h"
 #include "meshing/geometry/model/model_classification.h"
 #include "meshing/geometry/surface/surface.h"
+#include "meshing/kernel/tet_mesh.h"
 #include "partition/surface/joined_patches.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/support/meshes.h"
@@ -232,6 +233,11 @@ class Comparison {
       }
       EXPECT_EQ(index.kind(at), whole_.vertex_kind(v));
       EXPECT_EQ(index.hint(at), whole_.vertex_hint(v));
+      const auto has = [&](const std::vector<std::uint32_t>& list) {
+        return std::ranges::count(list, v) > 0;
+      };
+      EXPECT_EQ((index.flags(at) & meshing::kListedCorner) != 0, has(mesh_.corners));
+      EXPECT_EQ((index.flags(at) & meshing::kListedRequired) != 0, has(mesh_.required_points));
     }
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
       EXPECT_EQ(index.patch(sorted(mesh_.triangles[t])), whole_.triangle_patch(t));
