@@ -55,9 +55,7 @@ int run_on_ranks(const MetricCommand& command) {
 
 int run_metric(const MetricCommand& command) {
   if (!command.metric.given())
-    throw CLI::RequiredError(
-        "no metric: give --sol FILE, --metric FILE, --metric-fn NAME, --implied, --curvature N or --wall REF",
-        CLI::ExitCodes::RequiredError);
+    throw CLI::RequiredError(kNoMetric, CLI::ExitCodes::RequiredError);
   keep_inputs(command.output, "it", {command.metric.file});
   keep_inputs(command.output, "it", command.metric.sol);
   if (under_mpirun()) return run_on_ranks(command);
