@@ -60,6 +60,8 @@ struct Format {
   std::vector<PieceSize> (*piece_sizes)(const fs::path&) = nullptr;
   PieceRanges (*read_piece_ranges)(const fs::path&, std::span<const PieceRange>) = nullptr;
   std::vector<MeshContents> (*read_piece_fields)(const fs::path&, std::span<const PieceRange>) = nullptr;
+  /// Where fields are not told of by read_piece_fields.
+  SolutionData (*field_heads)(const fs::path&) = nullptr;
   // Where one reader can pass on what it reads: whether of this file, and how.
   bool (*is_streamed)(const fs::path&) = nullptr;
   MeshContents (*stream)(const fs::path&, MeshStream&) = nullptr;
@@ -134,6 +136,7 @@ constexpr std::array kFormats = {
            .write = write_gmsh,
            .size = gmsh_size,
            .read_range = read_gmsh_range,
+           .field_heads = gmsh_field_heads,
            .is_streamed = gmsh_has_no_ranges,
            .stream = stream_gmsh,
            .in_parts = always,
@@ -289,6 +292,17 @@ PieceRanges read_piece_ranges(const fs::path& source, std::span<const PieceRange
 
 std::vector<MeshContents> read_piece_fields(const fs::path& source, std::span<const PieceRange> ranges) {
   return format_of_source(source).read_piece_fields(source, ranges);
+}
+
+SolutionData field_heads(const fs::path& path) {
+  const Format& format = format_of(path);
+  if (format.field_heads) return format.field_heads(path);
+  if (!can_be_in_pieces(path)) return {};
+  const std::vector<fs::path> sources = piece_sources(path);
+  if (sources.empty()) return {};
+  const PieceRange none{.rows = {}, .others = false};
+  std::vector<MeshContents> first = read_piece_fields(sources.front(), {&none, 1});
+  return first.empty() ? SolutionData{} : std::move(first.front().fields);
 }
 
 bool can_be_streamed(const fs::path& path) {

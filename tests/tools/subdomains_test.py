@@ -295,6 +295,22 @@ class Results(Subdomains):
         self.assertIn("rank 0 has read all of box.msh: fields", done.stdout + done.stderr)
         self.assertEqual(*self.bytes_of("gmf.meshb", "msh.meshb"))
 
+    def test_fields_of_the_input_that_are_left_behind_are_told(self):
+        """In the same words on ranks; not the one that is the metric, and not those that are carried."""
+        self.box()
+        rows = "".join(f"0.5 {i} 0 1\n" for i in range(27))
+        self.write("flow.sol", f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n27\n2 1 2\n{rows}End\n")
+        for turn, name in enumerate(("box.vtu", "box.pvtu", "box.cgns", "box.msh")):
+            self.weft("convert", "box.meshb", name, "--sol", "flow.sol")
+            for ranks in (0, *some_of((2, 3), turn)):
+                told = self.run_on(ranks, name, "--metric-fn", "uniform:0.5", "-o", "out.meshb", expect=(0, 1)).stdout
+                self.assertIn(f"warning: fields field_1, field_2 of {name} are left behind: --field {name} carries them\n", told)
+        told = self.run_on(0, "box.vtu", "--metric", "box.vtu", "-o", "out.vtu", expect=(0, 1)).stdout
+        self.assertIn("warning: field field_2 of box.vtu is left behind: --field box.vtu carries it\n", told)
+        for words in (("box.vtu", "--field", "box.vtu"), ("out.vtu",)):
+            told = self.run_on(0, *words, "--metric-fn", "uniform:0.5", "-o", "fine.vtu", expect=(0, 1)).stdout
+            self.assertNotIn("left behind", told)
+
     def test_pieces(self):
         self.box(3)
         self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.25", "--subdomains", 4, "-o", "a.pvtu", "--quiet")
