@@ -205,9 +205,9 @@ const Format* find_format(const fs::path& path) {
 
 [[noreturn]] void fail_extension(const fs::path& path, const std::string& known) {
   const std::string extension = path.extension().string();
-  throw InputError(path.string(), "",
-                   (extension.empty() ? "no extension" : "unexpected extension " + extension) +
-                       ", known here are " + known);
+  throw InputError(
+      path.string(), "",
+      (extension.empty() ? "no extension" : "unexpected extension " + extension) + ", it must be " + known);
 }
 
 /// The extensions of the formats that keep all of `wanted`.
@@ -218,7 +218,7 @@ std::string list_extensions(unsigned wanted) {
   }
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i > 0) text += i + 1 == names.size() ? " and " : ", ";
+    if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
     text += names[i];
   }
   return text;
@@ -337,7 +337,7 @@ bool has_association(const fs::path& path) {
 
 SolutionData read_solution(const fs::path& path) {
   if (is_gmf_solution(path)) return read_gmf_solution(path);
-  if (!holds_fields(path)) fail_extension(path, ".solb, .sol and mesh files that hold fields");
+  if (!holds_fields(path)) fail_extension(path, ".solb, .sol or that of a mesh file that holds fields");
   SolutionData fields = read_mesh_contents(path).fields;
   if (fields.fields.empty()) throw InputError(path.string(), "", "holds no fields at vertices");
   return fields;
@@ -431,7 +431,7 @@ std::vector<Dropped> lost_in(const fs::path& path, const ContentCounts& mesh, co
 }
 
 void write_solution(const fs::path& path, const SolutionData& solution) {
-  if (!is_gmf_solution(path)) fail_extension(path, ".solb and .sol");
+  if (!is_gmf_solution(path)) fail_extension(path, ".solb or .sol");
   write_gmf_solution(path, solution);
 }
 

@@ -139,7 +139,7 @@ bool is_mesh_name(const std::filesystem::path& path);
 bool holds_volumes(const std::filesystem::path& path);
 /// Whether the format keeps fields in the mesh file itself.
 bool holds_fields(const std::filesystem::path& path);
-/// ".meshb, .mesh, .stl and .obj", for messages.
+/// ".meshb, .mesh, .stl or .obj", for messages.
 std::string mesh_extensions();
 /// Those of formats that hold tets.
 std::string volume_extensions();

@@ -61,7 +61,7 @@ class FileJob {
     read_seconds_ = watch_.lap();
   }
 
-  /// Its own fields are told of, and carried where they are asked for.
+  /// Fields that it holds itself are left out here, and told of.
   void read_input(meshing::Coordinates wanted) {
     meshing::MeshContents contents = meshing::read_mesh_contents(files_.input, wanted);
     meshing::refuse_foreign_volumes(contents.foreign_volumes, files_.input);

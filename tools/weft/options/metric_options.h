@@ -11,7 +11,8 @@ namespace weft::tools {
 
 /// What is wrong where none of the sources and demands is given.
 inline constexpr const char* kNoMetric =
-    "no metric: give --sol FILE, --metric FILE, --metric-fn NAME (such as polar-2), --implied, --curvature N, "
+    "no metric: give --sol FILE, --metric FILE, --metric-fn NAME (such as polar-2), --implied, --curvature "
+    "N, "
     "--sagitta D or --wall REF";
 
 /// Declares --metric and --metric-fn, which exclude each other.
