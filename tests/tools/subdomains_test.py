@@ -272,6 +272,21 @@ class Results(Subdomains):
         self.assert_all_ranks_fail("box.meshb", "--background", "other.meshb", "--metric", "out.solb", "-o",
                                    "o.meshb", says="out.solb: metric of another mesh")
 
+    def test_a_metric_of_a_mesh_that_does_not_cover_the_input(self):
+        """The same words of one mesh, in subdomains and on ranks; none where it does."""
+        self.box(4)
+        self.weft("mesh", "box", "-o", "half.meshb", "--cells", 2, 4, 4, "--max", 0.5, 1, 1)
+        self.weft("metric", "half.meshb", "--metric-fn", "uniform:0.3", "-o", "half.solb")
+        words = ("box.meshb", "--background", "half.meshb", "--metric", "half.solb", "-o", "out.meshb")
+        for ranks, *more in ((0,), (0, "--subdomains", 3), (2,), (3, "--repair")):
+            told = self.run_on(ranks, *words, *more, expect=(0, 1)).stdout
+            self.assertIn("warning: 50 of the input's 125 vertices lie outside the background, up to 0.5 from it: ", told)
+        self.box(5, "whole.meshb")
+        self.weft("metric", "whole.meshb", "--metric-fn", "uniform:0.3", "-o", "whole.solb")
+        words = [word.replace("half", "whole") for word in words]
+        for ranks in (0, 2):
+            self.assertNotIn("outside", self.run_on(ranks, *words, expect=(0, 1)).stdout)
+
     def figures(self, name):
         done = self.weft("stat", f"{name}.meshb", "--metric", f"{name}.solb", "--json")
         return json.loads(done.stdout)["measures"]
