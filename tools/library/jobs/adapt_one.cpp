@@ -89,7 +89,7 @@ class OneMesh {
     result_.warnings.insert(result_.warnings.end(), made.warnings.begin(), made.warnings.end());
     if (input_.background)
       warn_of_uncovered(naming(owner, [&] { return meshing::uncovered(background(), input_.mesh); }),
-                        result_);
+                        result_.input_counts.vertices, result_.warnings);
     result_.complexity_asked = options_.metric.complexity > 0;
     result_.target_complexity =
         result_.complexity_asked ? options_.metric.complexity : meshing::complexity(background(), field_);

@@ -319,7 +319,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
   if (options_.run.verify && !report.left_as_is)
     on_threads([&] { partition::check_result(*peers_, result_.pieces); });
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());
-  warn_of_uncovered(result_.uncovered, report);
+  warn_of_uncovered(result_.uncovered, report.input_counts.vertices, report.warnings);
   report.complexity_asked = options_.metric.complexity > 0;
   report.target_complexity =
       report.complexity_asked ? options_.metric.complexity : rank_.plan.expected_complexity;

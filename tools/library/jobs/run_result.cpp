@@ -104,12 +104,13 @@ void account_for_transfer(meshing::Transfer& carried, TransferMethod asked, cons
   report.missed.insert(report.missed.begin(), missed.begin(), missed.end());
 }
 
-void warn_of_uncovered(const meshing::Uncovered& uncovered, Report& report) {
+void warn_of_uncovered(const meshing::Uncovered& uncovered, std::uint64_t vertices,
+                       std::vector<std::string>& warnings) {
   if (uncovered.vertices == 0) return;
-  report.warnings.push_back(
+  warnings.push_back(
       fmt::format("{} of the input's {} {} outside the background, up to {:.3g} from it: what its closest "
                   "point asks for counts there",
-                  grouped(uncovered.vertices), counted(report.input_counts.vertices, "vertex"),
+                  grouped(uncovered.vertices), counted(vertices, "vertex"),
                   uncovered.vertices == 1 ? "lies" : "lie", uncovered.farthest));
 }
 
