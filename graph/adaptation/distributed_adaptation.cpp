@@ -341,10 +341,11 @@ std::string find_coordinate(EnginePeers& peers, const partition::MeshSlice& slic
   return found.warning;
 }
 
-/// The complexity is that of the metric on its own mesh.
+/// The complexity is that of the metric on its own mesh. `uncovered`: by that.
 partition::Distributed distribute_on_background(EnginePeers& peers, partition::MeshSlice&& slice,
                                                 const DistributedOptions& options,
-                                                const partition::DecompositionOptions& decomposition) {
+                                                const partition::DecompositionOptions& decomposition,
+                                                meshing::Uncovered& uncovered) {
   if (!options.background) return partition::distribute(peers, std::move(slice), decomposition);
   const partition::OwnBackground background(peers, std::move(*options.background), slice);
   partition::DecompositionOptions mine = decomposition;
@@ -355,6 +356,7 @@ partition::Distributed distribute_on_background(EnginePeers& peers, partition::M
   partition::Distributed d = partition::distribute(peers, std::move(slice), mine);
   background.deliver(d.starts);
   d.complexity = background.complexity();
+  uncovered = background.uncovered();
   return d;
 }
 
@@ -385,7 +387,8 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
                                   decomposition.partitioner, options.tets_of_seed});
   };
   const std::string of_coordinate = find_coordinate(peers, slice, decomposition);
-  partition::Distributed d = distribute_on_background(peers, std::move(slice), options, decomposition);
+  partition::Distributed d =
+      distribute_on_background(peers, std::move(slice), options, decomposition, result.uncovered);
   result.warnings = d.warnings;
   result.input_on_model = d.geometry->on_model;
   result.cut_by_runs = d.cut_by_runs;

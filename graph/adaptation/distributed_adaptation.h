@@ -12,6 +12,7 @@
 #include "graph/adaptation/engine_peers.h"
 #include "graph/adaptation/subdomain_task.h"
 #include "graph/dataflow/execution_log.h"
+#include "meshing/fields/coverage.h"
 #include "partition/distribute/distribute.h"
 #include "partition/output/sum_on_model.h"
 #include "partition/subdomain/mesh_piece.h"
@@ -79,6 +80,7 @@ struct DistributedResult {
   meshing::OperationCounts counts;                ///< of all subdomains that are here now
   std::vector<Neighbours> planned;    ///< of the subdomains that were here after the decomposition
   std::vector<std::string> warnings;  ///< the same on all ranks
+  meshing::Uncovered uncovered;       ///< of the input, by a background of its own; likewise
   std::uint32_t checks = 0;           ///< how many times all invariants were checked, and held
   std::filesystem::path resumed;      ///< the checkpoint that it has gone on from; empty: none
   bool cut_by_runs = false;  ///< the mesh was nearly as wanted (partition::Partitioner::runs_suffice)

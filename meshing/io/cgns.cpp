@@ -566,7 +566,8 @@ std::vector<MeshContents> read_cgns_piece_fields(const std::filesystem::path& pa
   RefNames names;
   ZoneRefs refs(names);
   std::vector<MeshContents> result;
-  for (int zone = 1; zone <= open.zones; ++zone) {
+  const int zones = std::min(open.zones, static_cast<int>(ranges.size()));
+  for (int zone = 1; zone <= zones; ++zone) {
     const PieceRange& range = ranges[static_cast<std::size_t>(zone - 1)];
     result.push_back(ZoneReader(open.library, zone, open.size, refs).fields(range.rows));
     if (!range.others) result.back().dropped.clear();

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <iterator>
 #include <limits>
@@ -13,6 +14,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -302,6 +304,21 @@ void sync_file(const std::filesystem::path& path, const Library& library) {
   if (!synced) library.fail("", "cannot write: the data did not reach the disk");
 }
 
+/// The library does not say why a file cannot be written ("File Close error"); the system's last error does.
+void write_layout(const std::filesystem::path& file, const std::string& name, const WholeMesh& whole) {
+  errno = 0;
+  try {
+    Library library(file, CG_MODE_WRITE, name);
+    ZoneLayout(library, whole).write();
+    library.close();
+    sync_file(file, library);
+  } catch (const InputError&) {
+    const int error = errno;
+    if (error != ENOSPC && error != EDQUOT && error != EFBIG && error != EIO) throw;
+    throw InputError(name, "", "cannot write: " + std::generic_category().message(error));
+  }
+}
+
 }  // namespace
 
 PartPlaces begin_cgns_parts(const std::filesystem::path& file, const std::filesystem::path& name,
@@ -311,10 +328,7 @@ PartPlaces begin_cgns_parts(const std::filesystem::path& file, const std::filesy
   const std::lock_guard lock(library_mutex());
   const auto issue = issue_of_child(
       [&]() -> std::string {
-        Library library(file, CG_MODE_WRITE, name.string());
-        ZoneLayout(library, whole).write();
-        library.close();
-        sync_file(file, library);
+        write_layout(file, name.string(), whole);
         return "";
       },
       0);

@@ -60,6 +60,8 @@ struct Format {
   std::vector<PieceSize> (*piece_sizes)(const fs::path&) = nullptr;
   PieceRanges (*read_piece_ranges)(const fs::path&, std::span<const PieceRange>) = nullptr;
   std::vector<MeshContents> (*read_piece_fields)(const fs::path&, std::span<const PieceRange>) = nullptr;
+  /// Where fields are not told of by read_piece_fields.
+  SolutionData (*field_heads)(const fs::path&) = nullptr;
   // Where one reader can pass on what it reads: whether of this file, and how.
   bool (*is_streamed)(const fs::path&) = nullptr;
   MeshContents (*stream)(const fs::path&, MeshStream&) = nullptr;
@@ -134,6 +136,7 @@ constexpr std::array kFormats = {
            .write = write_gmsh,
            .size = gmsh_size,
            .read_range = read_gmsh_range,
+           .field_heads = gmsh_field_heads,
            .is_streamed = gmsh_has_no_ranges,
            .stream = stream_gmsh,
            .in_parts = always,
@@ -202,9 +205,9 @@ const Format* find_format(const fs::path& path) {
 
 [[noreturn]] void fail_extension(const fs::path& path, const std::string& known) {
   const std::string extension = path.extension().string();
-  throw InputError(path.string(), "",
-                   (extension.empty() ? "no extension" : "unexpected extension " + extension) +
-                       ", known here are " + known);
+  throw InputError(
+      path.string(), "",
+      (extension.empty() ? "no extension" : "unexpected extension " + extension) + ", it must be " + known);
 }
 
 /// The extensions of the formats that keep all of `wanted`.
@@ -215,7 +218,7 @@ std::string list_extensions(unsigned wanted) {
   }
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i > 0) text += i + 1 == names.size() ? " and " : ", ";
+    if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
     text += names[i];
   }
   return text;
@@ -291,6 +294,17 @@ std::vector<MeshContents> read_piece_fields(const fs::path& source, std::span<co
   return format_of_source(source).read_piece_fields(source, ranges);
 }
 
+SolutionData field_heads(const fs::path& path) {
+  const Format& format = format_of(path);
+  if (format.field_heads) return format.field_heads(path);
+  if (!can_be_in_pieces(path)) return {};
+  const std::vector<fs::path> sources = piece_sources(path);
+  if (sources.empty()) return {};
+  const PieceRange none{.rows = {}, .others = false};
+  std::vector<MeshContents> first = read_piece_fields(sources.front(), {&none, 1});
+  return first.empty() ? SolutionData{} : std::move(first.front().fields);
+}
+
 bool can_be_streamed(const fs::path& path) {
   const Format& format = format_of(path);
   return format.is_streamed && format.is_streamed(path);
@@ -323,7 +337,7 @@ bool has_association(const fs::path& path) {
 
 SolutionData read_solution(const fs::path& path) {
   if (is_gmf_solution(path)) return read_gmf_solution(path);
-  if (!holds_fields(path)) fail_extension(path, ".solb, .sol and mesh files that hold fields");
+  if (!holds_fields(path)) fail_extension(path, ".solb, .sol or that of a mesh file that holds fields");
   SolutionData fields = read_mesh_contents(path).fields;
   if (fields.fields.empty()) throw InputError(path.string(), "", "holds no fields at vertices");
   return fields;
@@ -417,7 +431,7 @@ std::vector<Dropped> lost_in(const fs::path& path, const ContentCounts& mesh, co
 }
 
 void write_solution(const fs::path& path, const SolutionData& solution) {
-  if (!is_gmf_solution(path)) fail_extension(path, ".solb and .sol");
+  if (!is_gmf_solution(path)) fail_extension(path, ".solb or .sol");
   write_gmf_solution(path, solution);
 }
 

@@ -49,12 +49,16 @@ std::vector<std::filesystem::path> piece_sources(const std::filesystem::path& pa
 /// The pieces of one of these. Reads the types of all cells of a .vtu, and passes over sections of mixed
 /// elements of a .cgns.
 std::vector<PieceSize> piece_sizes(const std::filesystem::path& source);
-/// Parts of the pieces: one range for each of them.
+/// Parts of the pieces: one range for each of them, or of the fields for the first ones.
 PieceRanges read_piece_ranges(const std::filesystem::path& source, std::span<const PieceRange> ranges);
 /// Fields at the points of the ranges, of each piece, and an account of what is no field here, no more; those
 /// that cannot be kept, as only the values show, have no values.
 std::vector<MeshContents> read_piece_fields(const std::filesystem::path& source,
                                             std::span<const PieceRange> ranges);
+
+/// Kinds and names of the fields that a volume mesh file itself holds, of several pieces those of the first;
+/// no values.
+SolutionData field_heads(const std::filesystem::path& path);
 
 /// Throws where a mesh has so many volume elements that are no linear tetrahedra, but none.
 void refuse_foreign_volumes(std::uint64_t count, const std::filesystem::path& path);
@@ -135,7 +139,7 @@ bool is_mesh_name(const std::filesystem::path& path);
 bool holds_volumes(const std::filesystem::path& path);
 /// Whether the format keeps fields in the mesh file itself.
 bool holds_fields(const std::filesystem::path& path);
-/// ".meshb, .mesh, .stl and .obj", for messages.
+/// ".meshb, .mesh, .stl or .obj", for messages.
 std::string mesh_extensions();
 /// Those of formats that hold tets.
 std::string volume_extensions();

@@ -355,9 +355,11 @@ void write_su2(const std::filesystem::path& path, const MeshView& contents, cons
 std::vector<std::string> su2_heads(const WholeMesh& whole) {
   std::vector<std::string> heads = {"NDIME= 3\nNELEM= " + std::to_string(whole.num_tets()) + "\n",
                                     "NPOIN= " + std::to_string(whole.points) + "\n"};
+  UniqueNames tags;  // readers take equal ones for one marker
   std::string before = "NMARK= " + std::to_string(whole.triangles.size()) + "\n";
   for (const auto& [ref, count] : whole.triangles)
-    heads.push_back(std::exchange(before, "") + "MARKER_TAG= " + marker_tag(whole.names.name(2, ref)) +
+    heads.push_back(std::exchange(before, "") +
+                    "MARKER_TAG= " + tags.unique(marker_tag(whole.names.name(2, ref))) +
                     "\nMARKER_ELEMS= " + std::to_string(count) + "\n");
   if (!before.empty()) heads.push_back(before);  // there are no markers
   return heads;

@@ -80,7 +80,7 @@ std::size_t take_tensors(const Field& field, LogMetricField& log_metrics) {
 
 std::string reason_against(const Field& field, std::size_t i, std::size_t num_points) {
   if (!all_finite(field, i)) return "a value of the metric is not a finite number";
-  if (field.kind == Field::Kind::scalar) return "the size is not positive";
+  if (field.kind == Field::Kind::scalar) return "the size is not positive (a solution is given by --sol)";
   const auto is_bad_row_wise = [&field](std::size_t k) {
     return !all_finite(field, k) || !is_positive_definite(row_wise_tensor_at(field, k));
   };

@@ -186,10 +186,10 @@ OwnBackground::OwnBackground(Peers& peers, MeshSlice&& background, MeshSlice& in
 }
 
 /// Reads the metric of the input's points; returns the tet of each, numbered as in the whole background.
-std::vector<Tet> OwnBackground::places_of(PartPair& meshes, const MeshSlice& background,
-                                          MeshSlice& input) const {
+std::vector<Tet> OwnBackground::places_of(PartPair& meshes, const MeshSlice& background, MeshSlice& input) {
   const meshing::LogMetricField at_part = meshes.old_mesh().from_slices(background.log_metrics);
   const meshing::Reading reading = meshing::read(meshes, table_of(at_part));
+  uncovered_ = meshing::uncovered(meshes, reading);
   input.log_metrics = meshes.new_mesh().to_slices(field_of(reading.at.table));
   const std::vector<std::uint64_t>& numbers = meshes.source_numbers();
   const meshing::MeshData& source = meshes.source();

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "meshing/fields/coverage.h"
 #include "meshing/mesh/mesh_data.h"
 #include "partition/communication/peers.h"
 #include "partition/communication/ranges.h"
@@ -28,6 +29,8 @@ class OwnBackground {
 
   /// Of the whole background in its metric.
   double complexity() const { return complexity_; }
+  /// Of the input's points, on all ranks alike.
+  const meshing::Uncovered& uncovered() const { return uncovered_; }
   /// All ranks: gives each start the pieces that its tets cover, and the places of its vertices. The starts'
   /// vertices are named by their numbers in the input.
   void deliver(std::span<SubdomainStart> starts) const;
@@ -36,7 +39,7 @@ class OwnBackground {
   using Tet = meshing::Tet;
   using Pieces = std::vector<std::shared_ptr<const BackgroundPiece>>;
 
-  std::vector<Tet> places_of(PartPair& meshes, const MeshSlice& background, MeshSlice& input) const;
+  std::vector<Tet> places_of(PartPair& meshes, const MeshSlice& background, MeshSlice& input);
   void cut(const PartDomain& domain, const MeshSlice& background);
   std::vector<BackgroundTet> names_of(const std::vector<Tet>& tets) const;
   std::size_t rank_of(std::uint64_t piece) const;
@@ -45,6 +48,7 @@ class OwnBackground {
 
   Peers& peers_;
   double complexity_ = 0;
+  meshing::Uncovered uncovered_;
   Ranges input_points_;
   std::vector<BackgroundTet> places_;  ///< of the input's points here
   std::vector<std::uint64_t> firsts_;  ///< of each rank: its first piece; ends with their number

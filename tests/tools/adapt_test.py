@@ -223,6 +223,13 @@ class Report(CommandTest):
         self.check_measures(report["after"])
         self.check_operations(report)
 
+    def test_may_have_graph_and_timeline_in_its_folder(self):
+        files = ("new/report/g.json", "new/report/t.json")
+        self.weft("adapt", self.box(), "--metric-fn", "uniform:0.4", "--subdomains", 2, "-o", "out.meshb", "--report", "new/report",
+                  "--graph", files[0], "--trace", files[1], expect=(0, 1))
+        for name in files:
+            json.loads((self.folder / name).read_text())
+
     def check_measures(self, measures):
         for name, count in (("quality", "tets"), ("edge_length", "edges")):
             for histogram in (measures[name]["histogram"], measures[name]["histogram_log"]):

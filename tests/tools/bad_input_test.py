@@ -1,9 +1,12 @@
 """Input that cannot be used: exit code 2, one line that names file, entity and reason, nothing left behind."""
 
+import resource
+import signal
 import struct
+import subprocess
 import unittest
 
-from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, CommandTest, mesh_text, solution_text
+from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, WEFT, CommandTest, mesh_text, solution_text
 
 IDENTITY = (1, 0, 1, 0, 0, 1)
 
@@ -121,6 +124,20 @@ class BadInput(CommandTest):
             self.assert_fails("convert", mesh, out, says=out)
         self.assert_fails("adapt", mesh, "--metric-fn", "uniform:1", "-o", "out.meshb", "--report", "file/r",
                           says="file/r")
+
+    def test_output_that_there_is_no_room_for(self):
+        """Of CGNS too, whose library does not tell the reason."""
+        def little_room():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+
+        self.box()
+        before = self.files()
+        for name in ("a.cgns", "a.meshb"):
+            done = subprocess.run([WEFT, "convert", "box.meshb", name], cwd=self.folder, preexec_fn=little_room, capture_output=True,
+                                  text=True, timeout=100)
+            self.assertEqual((done.returncode, done.stderr), (2, f"weft: {name}: cannot write: File too large\n"))
+            self.assertEqual(self.files(), before)
 
     def test_output_that_is_a_folder(self):
         (self.folder / "out.meshb").mkdir()

@@ -88,11 +88,11 @@ class Browser:
             if "method" in answer:
                 self.note(answer)
 
-    def open(self, path):
-        """Returns the seconds until the page had been loaded and drawn."""
+    def open(self, path, place=""):
+        """Returns the seconds until the page, at a place of it, had been loaded and drawn."""
         begin = time.monotonic()
         self.events.clear()
-        self.call("Page.navigate", url=pathlib.Path(path).resolve().as_uri())
+        self.call("Page.navigate", url=pathlib.Path(path).resolve().as_uri() + (f"#{place}" if place else ""))
         while "Page.loadEventFired" not in self.events:
             answer = self.receive()
             if "method" in answer:

@@ -148,6 +148,13 @@ class Resuming(Checkpoints):
             account = json.loads((self.folder / "r/report.json").read_text())["subdomains"]["checkpoints"]
             self.assertIn("ck/", account["resumed"])
 
+    def test_keeps_the_number_of_subdomains(self):
+        self.some_checkpoints()
+        words = ["adapt", *(4 if word == 9 else word for word in RUN if word != "--quiet"), "--complexity", COMPLEXITY, "--threads", 1]
+        told = self.weft(*words, "--resume", "ck", "-o", "second.meshb", expect=(0, 1)).stdout
+        self.assertIn("warning: --subdomains 4 has no effect: the run in ck has 9\n", told)
+        self.assertEqual(self.bytes_of("second.meshb"), self.bytes_of("first.meshb"))
+
     def test_of_a_run_with_checks(self):
         words = ("--check", "--report", "r")
         self.until_two_are_kept(lambda: self.run_on(

@@ -138,6 +138,19 @@ class Convert(CommandTest):
         self.assert_fails("convert", "box.meshb", "box.xyz", says="box.xyz", code=64)
         self.assert_fails("convert", "box.xyz", "box.meshb", says=["box.xyz", "unexpected extension"])
 
+    def test_options_that_the_format_has_no_use_for(self):
+        self.box()
+        for name, option, *value in (("a.meshb", "--compress"), ("a.vtu", "--pieces", 3), ("a.vtu", "--msh-version", "2.2"),
+                                     ("a.su2", "--encoding", "ascii"), ("a.cgns", "--encoding", "binary")):
+            self.assert_fails("convert", "box.meshb", name, option, *value, says=[f"{option}: is for .", f"not for '{name}'"], code=64)
+        self.assert_fails("convert", "box.meshb", "a.vtu", "--encoding", "big-endian", says="--encoding: big-endian is for .ply", code=64)
+        self.assert_fails("convert", "box.meshb", "a.vtu", "--encoding", "ascii", "--compress", says="--compress", code=64)
+
+    def test_words_of_counts_and_formats(self):
+        self.write("one.mesh", ONE_TET)
+        self.assertIn("4 vertices, 1 tet, 4 triangles\n", self.weft("convert", "one.mesh", "one.meshb").stdout)
+        self.assert_fails("convert", "one.mesh", "one.xyz", says=["must end in .meshb, .mesh, ", ", .off or .ply"], code=64)
+
     def test_gmsh_there_and_back(self):
         self.box()
         self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "box.solb")

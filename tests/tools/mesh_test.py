@@ -94,6 +94,10 @@ class Mesh(CommandTest):
         self.weft("metric", "bg.meshb", "--metric-fn", "uniform:0.25", "-o", "sizes.solb")
         self.verified("cube.obj", "--background", "bg.meshb", "--metric", "sizes.solb", "--remesh-surface")
         self.assert_fails("mesh", "cube.obj", "-o", "x.meshb", "--background", "bg.meshb", says="--metric", code=64)
+        self.weft("mesh", "box", "-o", "bg.meshb", "--cells", 2, 4, 4, "--max", 0.5, 1, 1)
+        self.weft("metric", "bg.meshb", "--metric-fn", "uniform:0.25", "-o", "sizes.solb")
+        told = self.weft("mesh", "cube.obj", "--background", "bg.meshb", "--metric", "sizes.solb", "--remesh-surface", "-o", "half.meshb").stdout
+        self.assertIn("lie outside the background, up to 0.5 from it", told)
 
     def test_refuses_open_surface(self):
         self.write("open.obj", cube_obj(squares=SQUARES[:-1]))

@@ -83,13 +83,29 @@ class PageTest(unittest.TestCase):
 
 class Views(PageTest):
     def test_all_views_are_there_and_not_empty(self):
-        self.assertEqual(self.tabs(), ["summary", "times", "timeline", "communication", "quality", "convergence", "graph",
+        self.assertEqual(self.tabs(), ["summary", "time", "timeline", "communication", "quality", "convergence", "graph",
                                        "mesh", "details"])
         for view in self.tabs():
             self.show(view)
             visible = self.browser.run("[...document.querySelectorAll('main > section')].filter(s => !s.hidden).map(s => s.id)")
             self.assertEqual(visible, ["view-" + view])
             self.assertGreater(self.browser.run(f"document.getElementById('view-{view}').getBoundingClientRect().height"), 150)
+
+    def test_a_link_opens_the_tab_that_it_names(self):
+        """In the words of the tab, when the page is opened and later; other places of the page are no tabs."""
+        selected = "document.querySelector('[aria-selected=true]').textContent"
+        for title in self.browser.run("[...document.querySelectorAll('[role=tab]')].map(t => t.textContent)"):
+            self.browser.run(f"location.hash = '{title.lower()}'")
+            self.browser.settle()
+            self.assertEqual(self.browser.run(selected), title)
+        self.browser.run("location.hash = 'content'")
+        self.browser.settle()
+        self.assertEqual(self.browser.run(selected), "Details")
+        self.browser.requests.clear()
+        self.browser.call("Page.navigate", url="about:blank")
+        self.browser.settle()
+        self.browser.open(self.sample.page, "time")
+        self.assertEqual(self.browser.run(selected), "Time")
 
     def test_everything_that_can_be_clicked_may_be_clicked(self):
         for view in self.tabs():
@@ -121,7 +137,7 @@ class Views(PageTest):
         self.assertIn("<b>markup</b> & </script>", self.browser.run("document.getElementById('view-summary').innerText"))
 
     def test_times_of_all_operations_and_ranks_are_shown(self):
-        self.show("times")
+        self.show("time")
         for name in self.profile["operations"]:
             self.assert_shows(f"total.seconds.{name}", self.profile["total"]["seconds"][name], digits=2)
             for rank in self.profile["ranks"]:
@@ -291,7 +307,7 @@ class Others(PageTest):
     def test_tabs_work_with_the_keyboard(self):
         self.browser.run("document.querySelector('[role=tab]').focus()")
         self.browser.key("ArrowRight")
-        self.assertEqual(self.browser.run("document.querySelector('[aria-selected=true]').id"), "tab-times")
+        self.assertEqual(self.browser.run("document.querySelector('[aria-selected=true]').id"), "tab-time")
         self.browser.key("4")
         self.assertEqual(self.browser.run("document.querySelector('[aria-selected=true]').id"), "tab-communication")
         self.browser.key("d")

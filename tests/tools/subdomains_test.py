@@ -272,6 +272,21 @@ class Results(Subdomains):
         self.assert_all_ranks_fail("box.meshb", "--background", "other.meshb", "--metric", "out.solb", "-o",
                                    "o.meshb", says="out.solb: metric of another mesh")
 
+    def test_a_metric_of_a_mesh_that_does_not_cover_the_input(self):
+        """The same words of one mesh, in subdomains and on ranks; none where it does."""
+        self.box(4)
+        self.weft("mesh", "box", "-o", "half.meshb", "--cells", 2, 4, 4, "--max", 0.5, 1, 1)
+        self.weft("metric", "half.meshb", "--metric-fn", "uniform:0.3", "-o", "half.solb")
+        words = ("box.meshb", "--background", "half.meshb", "--metric", "half.solb", "-o", "out.meshb")
+        for ranks, *more in ((0,), (0, "--subdomains", 3), (2,), (3, "--repair")):
+            told = self.run_on(ranks, *words, *more, expect=(0, 1)).stdout
+            self.assertIn("warning: 50 of the input's 125 vertices lie outside the background, up to 0.5 from it: ", told)
+        self.box(5, "whole.meshb")
+        self.weft("metric", "whole.meshb", "--metric-fn", "uniform:0.3", "-o", "whole.solb")
+        words = [word.replace("half", "whole") for word in words]
+        for ranks in (0, 2):
+            self.assertNotIn("outside", self.run_on(ranks, *words, expect=(0, 1)).stdout)
+
     def figures(self, name):
         done = self.weft("stat", f"{name}.meshb", "--metric", f"{name}.solb", "--json")
         return json.loads(done.stdout)["measures"]
@@ -294,6 +309,22 @@ class Results(Subdomains):
         done = self.run_on(2, "box.vtu", "--metric", "box.msh", *words, "-o", "msh.meshb")
         self.assertIn("rank 0 has read all of box.msh: fields", done.stdout + done.stderr)
         self.assertEqual(*self.bytes_of("gmf.meshb", "msh.meshb"))
+
+    def test_fields_of_the_input_that_are_left_behind_are_told(self):
+        """In the same words on ranks; not the one that is the metric, and not those that are carried."""
+        self.box()
+        rows = "".join(f"0.5 {i} 0 1\n" for i in range(27))
+        self.write("flow.sol", f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n27\n2 1 2\n{rows}End\n")
+        for turn, name in enumerate(("box.vtu", "box.pvtu", "box.cgns", "box.msh")):
+            self.weft("convert", "box.meshb", name, "--sol", "flow.sol")
+            for ranks in (0, *some_of((2, 3), turn)):
+                told = self.run_on(ranks, name, "--metric-fn", "uniform:0.5", "-o", "out.meshb", expect=(0, 1)).stdout
+                self.assertIn(f"warning: fields field_1, field_2 of {name} are left behind: --field {name} carries them\n", told)
+        told = self.run_on(0, "box.vtu", "--metric", "box.vtu", "-o", "out.vtu", expect=(0, 1)).stdout
+        self.assertIn("warning: field field_2 of box.vtu is left behind: --field box.vtu carries it\n", told)
+        for words in (("box.vtu", "--field", "box.vtu"), ("out.vtu",)):
+            told = self.run_on(0, *words, "--metric-fn", "uniform:0.5", "-o", "fine.vtu", expect=(0, 1)).stdout
+            self.assertNotIn("left behind", told)
 
     def test_pieces(self):
         self.box(3)

@@ -102,11 +102,11 @@ class Usage(CommandTest):
     def test_what_is_missing_is_named(self):
         self.assert_fails("adapt", says="IN", code=64)
         self.assert_fails("adapt", "a.meshb", "--metric-fn", "polar-2", says="--out", code=64)
-        self.assert_fails("adapt", "a.meshb", "-o", "b.meshb", says=["--metric FILE", "--metric-fn NAME"], code=64)
+        self.assert_fails("adapt", "a.meshb", "-o", "b.meshb", says=["--metric FILE", "--metric-fn NAME", "--implied", "--sagitta D"], code=64)
         self.assert_fails("adapt", "a.meshb", "--metric-fn", "polar-9", "-o", "b.meshb", says="polar-9", code=64)
         self.assert_fails("adapt", "a.meshb", "--metric-fn", "polar-2", "-o", "b.stl", says="b.stl", code=64)
         self.assert_fails("mesh", says="subcommand", code=64)
-        self.assert_fails("metric", "a.meshb", "-o", "m.solb", says="--metric-fn", code=64)
+        self.assert_fails("metric", "a.meshb", "-o", "m.solb", says=["--metric-fn", "--sagitta D"], code=64)
 
     def test_a_box_without_volume(self):
         self.assert_fails("mesh", "box", "-o", "b.meshb", "--max", 1, 0, 1, says="--max", code=64)

@@ -32,9 +32,10 @@ std::vector<std::string> transfer_warnings(const Transfer& transfer, const std::
   constexpr double kRounding = 1e-12;
   std::vector<std::string> warnings;
   if (transfer.outside > 0)
-    warnings.push_back(fmt::format("{} vertices lie outside {}, up to {:.3g} from it",
-                                   grouped(transfer.outside), mesh_file.empty() ? "the old mesh" : mesh_file,
-                                   transfer.farthest));
+    warnings.push_back(fmt::format("{} {} outside {}, up to {:.3g} from it",
+                                   counted(transfer.outside, "vertex"),
+                                   transfer.outside == 1 ? "lies" : "lie",
+                                   mesh_file.empty() ? "the old mesh" : mesh_file, transfer.farthest));
   for (const ComponentAccount& a : transfer.accounts)
     if (a.beyond_bounds > kRounding * a.norm_max)
       warnings.push_back(

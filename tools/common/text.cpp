@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,12 @@ std::string grouped(std::uint64_t n) {
 std::string grouped(double x) {
   if (!(x >= 0 && x < 1e15)) return fmt::format("{:.3g}", x);
   return grouped(static_cast<std::uint64_t>(std::llround(x)));
+}
+
+std::string counted(std::uint64_t n, const std::string& one) {
+  constexpr std::string_view kVertex = "vertex";
+  const std::string many = one == kVertex ? "vertices" : one + "s";
+  return grouped(n) + " " + (n == 1 ? one : many);
 }
 
 std::string bytes_text(double bytes) {

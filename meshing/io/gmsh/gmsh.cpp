@@ -167,6 +167,43 @@ struct LastElement {
 
 constexpr const char* kOtherGroups = "physical groups of entities that have several";
 
+std::string_view unquoted(std::string_view text) {
+  text = trimmed(text);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') return text.substr(1, text.size() - 2);
+  return text;
+}
+
+struct NodeDataHead {
+  std::string name;
+  std::uint64_t components, nodes;
+};
+
+/// Lines of text in every encoding.
+NodeDataHead read_node_data_head(Cursor& in) {
+  std::string name;
+  const std::uint64_t num_strings = in.text_count();
+  in.line();
+  for (std::uint64_t i = 0; i < num_strings; ++i) {
+    if (in.at_end()) in.fail("the file is truncated");
+    const std::string_view line = in.line();
+    if (i == 0) name = unquoted(line);
+  }
+  const std::uint64_t num_reals = in.text_count();
+  for (std::uint64_t i = 0; i < num_reals; ++i) in.text_real();
+  const std::uint64_t num_integers = in.text_count();
+  std::array<std::uint64_t, 3> integers{};  // time step, components, nodes
+  for (std::uint64_t i = 0; i < num_integers; ++i) {
+    const std::int64_t value = in.text_integer();
+    if (i < integers.size()) integers[i] = static_cast<std::uint64_t>(std::max<std::int64_t>(value, 0));
+  }
+  in.line();
+  return {std::move(name), integers[1], integers[2]};
+}
+
+Field::Kind kind_of(std::uint64_t components) {
+  return components == 1 ? Field::Kind::scalar : components == 3 ? Field::Kind::vector : Field::Kind::tensor;
+}
+
 class Reader {
  public:
   /// Points and tets go to the stream.
@@ -291,12 +328,6 @@ class Reader {
         contents_.names.set(static_cast<int>(dimension), in_.ref(tag), std::string(name));
       }
     }
-  }
-
-  static std::string_view unquoted(std::string_view text) {
-    text = trimmed(text);
-    if (text.size() >= 2 && text.front() == '"' && text.back() == '"') return text.substr(1, text.size() - 2);
-    return text;
   }
 
   /// Keeps the first physical group of every geometric entity, or part of one.
@@ -570,26 +601,9 @@ class Reader {
     return same;
   }
 
-  // Header of node data are lines of text in every encoding.
   void read_node_data() {
-    std::string name;
-    const std::uint64_t num_strings = in_.text_count();
-    in_.line();
-    for (std::uint64_t i = 0; i < num_strings; ++i) {
-      if (in_.at_end()) in_.fail("the file is truncated");
-      const std::string_view line = in_.line();
-      if (i == 0) name = unquoted(line);
-    }
-    const std::uint64_t num_reals = in_.text_count();
-    for (std::uint64_t i = 0; i < num_reals; ++i) in_.text_real();
-    const std::uint64_t num_integers = in_.text_count();
-    std::array<std::uint64_t, 3> integers{};  // time step, components, nodes
-    for (std::uint64_t i = 0; i < num_integers; ++i) {
-      const std::int64_t value = in_.text_integer();
-      if (i < integers.size()) integers[i] = static_cast<std::uint64_t>(std::max<std::int64_t>(value, 0));
-    }
-    in_.line();
-    read_field(name, integers[1], integers[2]);
+    const NodeDataHead head = read_node_data_head(in_);
+    read_field(head.name, head.components, head.nodes);
   }
 
   void read_field(const std::string& name, std::uint64_t length, std::uint64_t count) {
@@ -619,8 +633,7 @@ class Reader {
         return contents_.drop("fields of tensors that are not symmetric");
       contents_.fields.fields.push_back({Field::Kind::tensor, std::move(folded), name});
     } else {
-      const auto kind = length == 1 ? Field::Kind::scalar : Field::Kind::vector;
-      contents_.fields.fields.push_back({kind, std::move(values), name});
+      contents_.fields.fields.push_back({kind_of(length), std::move(values), name});
     }
   }
 
@@ -910,6 +923,18 @@ MeshContents read_gmsh(const std::filesystem::path& path, Coordinates wanted) {
   collector.put_into(contents.mesh);
   contents.complete();
   return contents;
+}
+
+SolutionData gmsh_field_heads(const std::filesystem::path& path) {
+  const InputFile file(path);
+  Cursor in(file);
+  SolutionData heads;
+  while (in.find("$NodeData")) {
+    in.line();
+    const NodeDataHead head = read_node_data_head(in);
+    heads.fields.push_back({kind_of(head.components), {}, head.name});
+  }
+  return heads;
 }
 
 MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& stream) {

@@ -17,6 +17,8 @@ MeshContents read_gmsh(const std::filesystem::path& path, Coordinates wanted = C
 /// The same without node data, and but for points and tets, which go to the stream. Of nodes tagged 1, 2, 3
 /// ... nothing is kept, of others their tags.
 MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& stream);
+/// Kinds and names of the node data; passes over all else.
+SolutionData gmsh_field_heads(const std::filesystem::path& path);
 
 /// The size of a binary file of version 4.1 without partitions whose nodes are tagged 1, 2, 3 ..., as weft
 /// writes them; nothing of another, of which ranges cannot be read. Reads all tags.

@@ -32,6 +32,18 @@ TEST_F(Su2, RoundTripIsExact) {
   EXPECT_EQ(read.names.name(2, 2), "far_field");
 }
 
+TEST_F(Su2, TagsThatWouldBecomeOneAreNumbered) {
+  MeshContents c = full_contents();
+  c.names.set(2, -13, "far=field");
+  c.names.set(2, 11, "far_field");
+  write_su2(directory / "m.su2", c);
+  const MeshContents read = read_su2(directory / "m.su2");
+  EXPECT_EQ(read.mesh.triangle_refs, (std::vector<std::int32_t>{1, 2, 3}));
+  EXPECT_EQ(read.names.name(2, 1), "far_field");
+  EXPECT_EQ(read.names.name(2, 2), "far_field_2");
+  EXPECT_EQ(read.names.name(2, 3), "far_field_3");
+}
+
 TEST_F(Su2, PartsInAnyOrderWithComments) {
   const MeshContents c = read_text(std::string("% a comment\nNDIME=3 % three\n") + kPoints +
                                    "NMARK= 2\nMARKER_TAG= 7 % its number\nMARKER_ELEMS= 2\n5 0 2 1\n9 0 1 2 "

@@ -77,7 +77,7 @@ TEST(MetricFromSolution, NamesTheFirstBadVertex) {
   values[4000] = 0;
   values[1234] = -2;
   EXPECT_EQ(error_of(solution_of(Field::Kind::scalar, values), 5000),
-            "m.solb: vertex 1235: the size is not positive");
+            "m.solb: vertex 1235: the size is not positive (a solution is given by --sol)");
   values[17] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(error_of(solution_of(Field::Kind::scalar, values), 5000),
             "m.solb: vertex 18: a value of the metric is not a finite number");

@@ -39,6 +39,7 @@ struct Outcome {
   std::vector<LogMetric> log_metrics;              ///< of the input's points
   std::map<std::uint32_t, SubdomainStart> starts;  ///< by subdomain
   double complexity = 0;
+  meshing::Uncovered uncovered;
 };
 
 Outcome run_on(int ranks, unsigned seed, const MetricMesh& background, const meshing::MeshData& input) {
@@ -56,6 +57,7 @@ Outcome run_on(int ranks, unsigned seed, const MetricMesh& background, const mes
     own.deliver(d.starts);
     const std::lock_guard lock(mutex);
     run.complexity = own.complexity();
+    run.uncovered = own.uncovered();
     for (SubdomainStart& s : d.starts) run.starts.emplace(s.subdomain.value, std::move(s));
   });
   for (const auto& part : of_rank) run.log_metrics.insert(run.log_metrics.end(), part.begin(), part.end());
@@ -64,6 +66,18 @@ Outcome run_on(int ranks, unsigned seed, const MetricMesh& background, const mes
 
 class OwnBackgroundOnRanks : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Ranks, OwnBackgroundOnRanks, testing::ValuesIn(support::kNumbersOfRanks));
+
+TEST_P(OwnBackgroundOnRanks, CountsThePointsThatLieOutsideIt) {
+  MetricMesh background = with_metric(support::unit_cube(6), 0.02, 1);
+  for (Point& p : background.mesh.points) p.x *= 0.75;
+  const meshing::MeshData input = with_metric(support::unit_cube(5), 0, 2).mesh;
+  const meshing::Uncovered whole = meshing::uncovered(background.mesh, input);
+  EXPECT_EQ(whole.vertices, 2 * 36u);  // at x = 0.8 and 1
+  EXPECT_NEAR(whole.farthest, 0.25, 1e-12);
+  const meshing::Uncovered many = run_on(GetParam(), 7, background, input).uncovered;
+  EXPECT_EQ(many.vertices, whole.vertices);
+  EXPECT_DOUBLE_EQ(many.farthest, whole.farthest);
+}
 
 TEST_P(OwnBackgroundOnRanks, GivesEverySubdomainTheSameBits) {
   const MetricMesh background = with_metric(support::unit_cube(9), 0.02, 1);

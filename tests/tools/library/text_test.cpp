@@ -12,6 +12,10 @@ TEST(Grouped, PutsCommasBetweenThousands) {
   EXPECT_EQ(grouped(std::uint64_t{1000}), "1,000");
   EXPECT_EQ(grouped(std::uint64_t{1234567}), "1,234,567");
   EXPECT_EQ(grouped(7622.6), "7,623");
+  EXPECT_EQ(counted(1, "tet"), "1 tet");
+  EXPECT_EQ(counted(1234, "tet"), "1,234 tets");
+  EXPECT_EQ(counted(1, "vertex"), "1 vertex");
+  EXPECT_EQ(counted(0, "vertex"), "0 vertices");
   EXPECT_EQ(grouped(1e20), "1e+20");
 }
 

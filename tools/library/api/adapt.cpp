@@ -183,8 +183,8 @@ FilesResult adapt_files(const Files& files, const Options& options) {
   if (!options.metric.given())
     throw OptionError(
         "--metric",
-        "no metric: give --metric FILE or --sol FILE (.solb or .sol) or --metric-fn NAME (such as "
-        "polar-2)");
+        "no metric: give --sol FILE, --metric FILE, --metric-fn NAME (such as polar-2), --implied, "
+        "--curvature N, --sagitta D or --wall REF");
   if (in_subdomains(options)) return tools::adapt_files_in_subdomains(files, options);
   if (options.run.check) throw OptionError("--check", "needs --subdomains");
   if (!files.graph.empty()) throw OptionError("--graph", "needs --subdomains");

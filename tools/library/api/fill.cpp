@@ -4,11 +4,13 @@
 #include <memory>
 #include <utility>
 
+#include "meshing/fields/coverage.h"
 #include "meshing/initial/closed_surface.h"
 #include "meshing/initial/fill_volume.h"
 #include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/initial_grid.h"
 #include "meshing/initial/repair_surface.h"
+#include "tools/common/naming.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/monitor.h"
 #include "tools/library/jobs/resources/stopwatch.h"
@@ -90,7 +92,12 @@ class Filling {
     options.growth = options_.growth;
     options.size = options_.size;
     options.remesh_surface = options_.remesh_surface;
-    if (options_.metric) options.background = {options_.background, &options_.metric->logarithms()};
+    if (options_.metric) {
+      options.background = {options_.background, &options_.metric->logarithms()};
+      tools::warn_of_uncovered(
+          tools::naming("background", [&] { return meshing::uncovered(*options_.background, grid_.mesh); }),
+          grid_.mesh.points.size(), result_.warnings);
+    }
     options.adapt.threads = tools::number_of_threads(options_.run.threads);
     options.adapt.ridge_angle_degrees = options_.geometry.ridge_angle;
     options.adapt.hausd = options_.geometry.hausd;

@@ -12,6 +12,7 @@
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/base/release.h"
+#include "meshing/fields/coverage.h"
 #include "meshing/fields/transfer.h"
 #include "meshing/kernel/complete.h"
 #include "meshing/kernel/import_mesh.h"
@@ -86,6 +87,9 @@ class OneMesh {
     result_.warnings = model_warnings(model_.get());
     warn_of_idle_options(options_, result_.warnings);
     result_.warnings.insert(result_.warnings.end(), made.warnings.begin(), made.warnings.end());
+    if (input_.background)
+      warn_of_uncovered(naming(owner, [&] { return meshing::uncovered(background(), input_.mesh); }),
+                        result_.input_counts.vertices, result_.warnings);
     result_.complexity_asked = options_.metric.complexity > 0;
     result_.target_complexity =
         result_.complexity_asked ? options_.metric.complexity : meshing::complexity(background(), field_);

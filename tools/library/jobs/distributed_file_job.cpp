@@ -32,6 +32,7 @@
 #include "tools/library/jobs/resources/memory.h"
 #include "tools/library/jobs/resources/stopwatch.h"
 #include "tools/library/jobs/resources/threads.h"
+#include "tools/library/jobs/sources/field_source.h"
 #include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/jobs/sources/shares.h"
 #include "tools/library/jobs/sources/slice_source.h"
@@ -142,10 +143,21 @@ class DistributedFileJob {
     std::ranges::move(loss_warnings(account_.outputs.mesh, counts_of_slices(run_.peers(), input.slice),
                                     names_, !options_.geometry.model.empty()),
                       std::back_inserter(account_.warnings));
+    warn_of_left_fields();
     account_.input_counts = {input.slice.num_points, input.slice.num_tets, input.slice.num_triangles,
                              input.slice.num_edges};
     account_.times.read = watch_.lap();
     return input;
+  }
+
+  /// Rank 0 makes the account. The mesh has been read: what keeps these from being told is no fault.
+  void warn_of_left_fields() {
+    if (!run_.first() || !files_.fields.empty()) return;
+    try {
+      const Fields own = meshing::field_heads(files_.input);
+      std::ranges::move(left_fields_warnings(files_, options_, own), std::back_inserter(account_.warnings));
+    } catch (const std::exception&) {
+    }
   }
 
   void measure_before(const partition::MeshSlice& slice, double target_complexity) {

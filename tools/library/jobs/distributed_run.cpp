@@ -171,6 +171,13 @@ std::string DistributedRun::name_of(engine::ObjectId id) const {
                    : fmt::format("mailbox of rank {}", id.home.value);
 }
 
+void DistributedRun::warn_of_other_subdomains(Report& report) const {
+  const std::uint32_t asked = options_.distributed.subdomains;
+  if (resume_.empty() || asked == 0 || asked == resume_[0].manifest.subdomains) return;
+  report.warnings.push_back(fmt::format("--subdomains {} has no effect: the run in {} has {}", asked,
+                                        options_.checkpoint.resume, resume_[0].manifest.subdomains));
+}
+
 /// All ranks: they may have different numbers of threads.
 std::uint32_t DistributedRun::number_of_subdomains() {
   constexpr std::uint32_t kForEachThread = 4;  // so that there is something to balance with
@@ -291,6 +298,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
     report.warnings.insert(report.warnings.end(), of_model.begin(), of_model.end());
     const std::string& folder = options_.checkpoint.resume;
     if (!folder.empty() && resume_.empty()) report.warnings.push_back(begun_anew(folder));
+    warn_of_other_subdomains(report);
   }
   monitor_.update("decomposition", 0, report.input_counts.tets);
   naming(name, [&] {
@@ -311,6 +319,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
   if (options_.run.verify && !report.left_as_is)
     on_threads([&] { partition::check_result(*peers_, result_.pieces); });
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());
+  warn_of_uncovered(result_.uncovered, report.input_counts.vertices, report.warnings);
   report.complexity_asked = options_.metric.complexity > 0;
   report.target_complexity =
       report.complexity_asked ? options_.metric.complexity : rank_.plan.expected_complexity;

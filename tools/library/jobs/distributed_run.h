@@ -101,6 +101,8 @@ class DistributedRun {
   void agree_on_options();
   void find_checkpoints();
   void add_checkpoint(const std::string& text);
+  /// The number of subdomains is the checkpoint's.
+  void warn_of_other_subdomains(Report& report) const;
   void account_for_checkpoints(const engine::RunSummary& sums, Report& report);
   void check_room(const std::string& name, Report& report);
   void gather_statistics(Report& report);

@@ -52,13 +52,22 @@ class FileJob {
   void read() {
     monitor_.update("reading", 0, 0);
     const auto wanted = options_.run.repair ? meshing::Coordinates::any : meshing::Coordinates::finite;
-    input_ = meshing::read_mesh(files_.input, &names_, wanted);
+    read_input(wanted);
     if (!files_.background.empty() && !same_file(files_.background, files_.input))
       background_ = meshing::read_mesh(files_.background, nullptr, wanted);
     if (input_.tets.empty()) throw InputError(files_.input, "", "has no tetrahedra");
     fields_ = read_all_fields(files_.fields, input_.points.size(), files_.input);
     if (options_.run.repair) mend();
     read_seconds_ = watch_.lap();
+  }
+
+  /// Fields that it holds itself are left out here, and told of.
+  void read_input(meshing::Coordinates wanted) {
+    meshing::MeshContents contents = meshing::read_mesh_contents(files_.input, wanted);
+    meshing::refuse_foreign_volumes(contents.foreign_volumes, files_.input);
+    left_fields_ = left_fields_warnings(files_, options_, contents.fields);
+    names_ = std::move(contents.names);
+    input_ = std::move(contents.mesh);
   }
 
   void mend() {
@@ -89,6 +98,7 @@ class FileJob {
     std::ranges::move(loss_warnings(run_.outputs.mesh, meshing::counts_of(input_), names_,
                                     !options_.geometry.model.empty()),
                       std::back_inserter(result_.warnings));
+    std::ranges::move(left_fields_, std::back_inserter(result_.warnings));
     fields_ = {};
     watch_.lap();
   }
@@ -146,9 +156,10 @@ class FileJob {
   MeshData input_;
   std::optional<meshing::LogMetricField> source_;  ///< the metric that was mended with the input
   std::vector<Mend> mends_;
-  meshing::RefNames names_;             ///< of the input's references, which the result keeps
-  std::optional<MeshData> background_;  ///< empty: the input
-  meshing::SolutionData fields_;        ///< of the input, to be carried along
+  meshing::RefNames names_;               ///< of the input's references, which the result keeps
+  std::vector<std::string> left_fields_;  ///< warnings of the input's own
+  std::optional<MeshData> background_;    ///< empty: the input
+  meshing::SolutionData fields_;          ///< of the input, to be carried along
   Result result_;
 };
 

@@ -36,16 +36,18 @@ void check_outputs(const Files& files, const Options& options, const OutputPaths
   check_writable(outputs.mesh);
   check_writable(outputs.solution);
   if (!files.fields.empty()) check_writable(outputs.fields);
-  for (const std::string& path : {files.graph, files.trace})
-    if (!path.empty()) check_writable(path);
-  if (!files.graph.empty()) check_writable(planned_path(files.graph));
   if (!options.checkpoint.folder.empty()) {
     make_folder(options.checkpoint.folder);
     check_writable((fs::path(options.checkpoint.folder) / "probe").string());
   }
-  if (files.report.empty()) return;
-  make_folder(files.report);
-  check_writable((fs::path(files.report) / "report.json").string());
+  if (!files.report.empty()) {
+    make_folder(files.report);
+    check_writable((fs::path(files.report) / "report.json").string());
+  }
+  // Perhaps in the folder of the report.
+  for (const std::string& path : {files.graph, files.trace})
+    if (!path.empty()) check_writable(path);
+  if (!files.graph.empty()) check_writable(planned_path(files.graph));
 }
 
 FilesResult files_result(const RunResult& run, const std::string& report_error, bool first) {

@@ -127,9 +127,11 @@ void Monitor::watch() {
   }
 }
 
-/// Returns the time to the next look: at most half of what is left can be taken until then. The run ends
-/// where what is left lasts for kToLeave at the speed at which memory has been taken lately, or would not do
-/// for arrays that grow. To look takes a little memory too.
+/// Returns the time to the next look: at most half of what is left can be taken until then. A limit that was
+/// asked for ends the run when it is reached: to pass it by a little is not deadly, and a burst says nothing
+/// of what comes after it. Of what the machine has left the run must not take more: it ends where that lasts
+/// for kToLeave at the speed at which memory has been taken lately, or would not do for arrays that grow. To
+/// look takes a little memory too.
 Monitor::Seconds Monitor::watch_memory() {
   try {
     const std::optional<MemoryToTake> found = memory_to_take();
@@ -139,9 +141,9 @@ Monitor::Seconds Monitor::watch_memory() {
     const double taken = std::max(0.0, to_take_ - to_take);
     taken_per_second_ = std::max(0.5 * taken_per_second_, taken / Seconds(now - looked_).count());
     const double held = resident_bytes() - memory_at_begin_;
-    const double at_once =
-        found->as_asked ? 0 : std::min(kArraysGrow * held, kFastestTaken * kToLeave.count());
-    if (to_take < std::max(at_once, taken_per_second_ * kToLeave.count())) cancel(EndReason::memory_limit);
+    const double at_once = std::min(kArraysGrow * held, kFastestTaken * kToLeave.count());
+    const double while_leaving = std::max(at_once, taken_per_second_ * kToLeave.count());
+    if (to_take < (found->as_asked ? 0 : while_leaving)) cancel(EndReason::memory_limit);
     to_take_ = to_take;
     looked_ = now;
   } catch (const std::bad_alloc&) {

@@ -104,6 +104,16 @@ void account_for_transfer(meshing::Transfer& carried, TransferMethod asked, cons
   report.missed.insert(report.missed.begin(), missed.begin(), missed.end());
 }
 
+void warn_of_uncovered(const meshing::Uncovered& uncovered, std::uint64_t vertices,
+                       std::vector<std::string>& warnings) {
+  if (uncovered.vertices == 0) return;
+  warnings.push_back(
+      fmt::format("{} of the input's {} {} outside the background, up to {:.3g} from it: what its closest "
+                  "point asks for counts there",
+                  grouped(uncovered.vertices), counted(vertices, "vertex"),
+                  uncovered.vertices == 1 ? "lies" : "lie", uncovered.farthest));
+}
+
 std::string begun_anew(const std::string& folder) {
   return fmt::format("{} holds no complete checkpoint: the run has begun anew", folder);
 }

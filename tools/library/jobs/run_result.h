@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/fields/coverage.h"
 #include "tools/library/jobs/outputs.h"
 #include "weft/weft.h"
 
@@ -31,6 +32,10 @@ std::vector<std::string> missed_goals(const std::optional<meshing::Measures>& af
 /// `carried`), warnings, and the end of the run where that was what cut `asked` short.
 void account_for_transfer(meshing::Transfer& carried, TransferMethod asked, const std::string& from,
                           Report& report);
+
+/// Adds how many of an input's vertices lie outside the mesh that the metric belongs to.
+void warn_of_uncovered(const meshing::Uncovered& uncovered, std::uint64_t vertices,
+                       std::vector<std::string>& warnings);
 
 /// In which respects a result lies on the CAD model worse than its input did: more vertices off it, or
 /// farther off, or more triangles turned against it. Empty for what the input had and could not be mended.

@@ -43,7 +43,8 @@
   document.getElementById("what").textContent = "· " + (data.case || input.split("/").pop() || "adaptation");
   document.title = "weft report " + document.getElementById("what").textContent;
   weft.startTheme();
-  const wanted = location.hash.slice(1);
-  weft.show(views.some((v) => v.id === wanted) ? wanted : "summary");
+  const linked = () => views.find((v) => v.id === location.hash.slice(1));
+  weft.show(linked() ? linked().id : "summary");
+  addEventListener("hashchange", () => linked() && weft.show(linked().id));
   document.documentElement.dataset.ready = "";
 })();

@@ -57,5 +57,5 @@
   }
 
   const build = () => (data.total ? [breakdown(), make("div", { class: "two" }, path(), commandCard()), waits(), rankTable(), stagesCard()] : [make("div", { class: "two" }, commandCard(), stagesCard())]);
-  weft.views.push({ id: "times", title: "Time", build });
+  weft.views.push({ id: "time", title: "Time", build });
 })();

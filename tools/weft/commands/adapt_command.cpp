@@ -86,10 +86,7 @@ FilesResult adapt_and_tell(AdaptCommand& command) {
 }
 
 int run(AdaptCommand& command) {
-  if (!command.options.metric.given())
-    throw CLI::RequiredError(
-        "no metric: give --metric FILE or --sol FILE (.solb or .sol) or --metric-fn NAME (such as polar-2)",
-        CLI::ExitCodes::RequiredError);
+  if (!command.options.metric.given()) throw CLI::RequiredError(kNoMetric, CLI::ExitCodes::RequiredError);
   if (command.options.run.threads == 0)
     command.options.run.threads = command.simulation.ranks > 0 ? 1 : default_threads_of_rank();
   if (command.shifts != "auto")

@@ -1,7 +1,10 @@
 // `weft convert`: from one file format to another.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -45,8 +48,8 @@ std::string dropped_text(const std::vector<Dropped>& dropped) {
 }
 
 void tell(const ConvertCommand& command, const MeshCounts& counts) {
-  command.verbosity.print("{}: {} vertices, {} tets, {} triangles\n", command.output,
-                          grouped(counts.vertices), grouped(counts.tets), grouped(counts.triangles));
+  command.verbosity.print("{}: {}, {}, {}\n", command.output, counted(counts.vertices, "vertex"),
+                          counted(counts.tets, "tet"), counted(counts.triangles, "triangle"));
 }
 
 int run_on_ranks(const ConvertCommand& command) {
@@ -98,6 +101,25 @@ void add_choices(CLI::App& sub, WriteOptions& options, int& pieces) {
       ->type_name("N");
 }
 
+/// An option that the output's format has no use for is a mistake in one of them.
+void check_choices(const CLI::App& sub, const ConvertCommand& command) {
+  static const std::map<std::string, std::vector<std::string>> formats = {
+      {"--encoding", {".msh", ".stl", ".ply", ".vtu", ".pvtu"}},
+      {"--msh-version", {".msh"}},
+      {"--compress", {".vtu", ".pvtu"}},
+      {"--pieces", {".pvtu"}}};
+  const std::string extension = std::filesystem::path(command.output).extension().string();
+  for (const auto& [option, extensions] : formats)
+    if (sub.count(option) > 0 && std::ranges::find(extensions, extension) == extensions.end())
+      throw CLI::ValidationError(
+          option, fmt::format("is for {}, not for '{}'", fmt::join(extensions, ", "), command.output));
+  using Encoding = WriteOptions::Encoding;
+  if (command.options.encoding == Encoding::big_endian && extension != ".ply")
+    throw CLI::ValidationError("--encoding", "big-endian is for .ply, not for '" + command.output + "'");
+  if (command.options.encoding == Encoding::ascii && command.options.compress)
+    throw CLI::ValidationError("--compress", "is for binary arrays, not for --encoding ascii");
+}
+
 }  // namespace
 
 void add_convert_command(CLI::App& app, Action& action) {
@@ -114,7 +136,10 @@ void add_convert_command(CLI::App& app, Action& action) {
       ->type_name("FILE");
   add_choices(*sub, command->options, command->pieces);
   add_verbosity(*sub, command->verbosity);
-  sub->callback([command, &action] { action = [command] { return run_convert(*command); }; });
+  sub->callback([command, &action, sub] {
+    check_choices(*sub, *command);
+    action = [command] { return run_convert(*command); };
+  });
 }
 
 }  // namespace weft::tools

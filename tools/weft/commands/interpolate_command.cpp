@@ -40,7 +40,8 @@ struct InterpolateCommand {
 
 void tell(const InterpolateCommand& command, std::size_t fields, std::uint64_t vertices,
           const Transfer& result) {
-  command.verbosity.print("{}: {} fields at {} vertices\n", command.output, fields, grouped(vertices));
+  command.verbosity.print("{}: {} at {}\n", command.output, counted(fields, "field"),
+                          counted(vertices, "vertex"));
   command.verbosity.print("{}", accounts_text(result.accounts, command.fields.method));
   for (const std::string& warning : transfer_warnings(result, command.from))
     command.verbosity.print("warning: {}\n", warning);

@@ -59,9 +59,8 @@ int run_box(const BoxCommand& command) {
   check_writable(command.output);
   const Mesh mesh = box({{n.front(), n[n.size() / 2], n.back()}, point(command.min), point(command.max)});
   write_mesh(command.output, mesh);
-  command.verbosity.print("{}: {} vertices, {} tets\n", command.output,
-                          grouped(std::uint64_t{mesh.points.size()}),
-                          grouped(std::uint64_t{mesh.tets.size()}));
+  command.verbosity.print("{}: {}, {}\n", command.output, counted(mesh.points.size(), "vertex"),
+                          counted(mesh.tets.size(), "tet"));
   return kDone;
 }
 

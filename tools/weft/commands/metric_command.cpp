@@ -42,7 +42,7 @@ struct MetricCommand {
 void tell(const MetricCommand& command, const std::vector<std::string>& warnings, std::uint64_t vertices,
           double complexity) {
   for (const std::string& warning : warnings) command.verbosity.print("warning: {}\n", warning);
-  command.verbosity.print("{}: metric at {} vertices, complexity {}\n", command.output, grouped(vertices),
+  command.verbosity.print("{}: metric at {}, complexity {}\n", command.output, counted(vertices, "vertex"),
                           grouped(complexity));
 }
 
@@ -54,10 +54,7 @@ int run_on_ranks(const MetricCommand& command) {
 }
 
 int run_metric(const MetricCommand& command) {
-  if (!command.metric.given())
-    throw CLI::RequiredError(
-        "no metric: give --sol FILE, --metric FILE, --metric-fn NAME, --implied, --curvature N or --wall REF",
-        CLI::ExitCodes::RequiredError);
+  if (!command.metric.given()) throw CLI::RequiredError(kNoMetric, CLI::ExitCodes::RequiredError);
   keep_inputs(command.output, "it", {command.metric.file});
   keep_inputs(command.output, "it", command.metric.sol);
   if (under_mpirun()) return run_on_ranks(command);

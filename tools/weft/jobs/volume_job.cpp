@@ -25,10 +25,9 @@ void print_summary(const VolumeRequest& request, const FillResult& result) {
   for (const std::string& w : result.warnings) verbosity.print("note: {}\n", w);
   for (const std::string& reason : result.missed) verbosity.print("GOAL NOT MET: {}\n", reason);
   if (result.cancelled) verbosity.print("ended early: {}\n", result.ended_by);
-  verbosity.print("{}: {} vertices, {} tets, {} triangles, {} region{}\n", request.output,
-                  grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
-                  grouped(std::uint64_t{mesh.triangles.size()}), result.regions,
-                  result.regions == 1 ? "" : "s");
+  verbosity.print("{}: {}, {}, {}, {}\n", request.output, counted(mesh.points.size(), "vertex"),
+                  counted(mesh.tets.size(), "tet"), counted(mesh.triangles.size(), "triangle"),
+                  counted(result.regions, "region"));
   verbosity.print("{}\n", shape_text(measure_shape(mesh)));
   verbosity.print("surface and initial grid {}, filling {}\n", seconds_text(result.grid_seconds),
                   seconds_text(result.fill_seconds));

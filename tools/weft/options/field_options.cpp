@@ -13,7 +13,8 @@ CLI::Option* add_field_options(CLI::App& command, FieldChoice& choice, const std
       {"linear", TransferMethod::linear}, {"conservative", TransferMethod::conservative}};
   CLI::Option* fields = command
                             .add_option("--field", choice.files,
-                                        "fields at the vertices of " + owner + " to transfer; repeatable")
+                                        "fields at the vertices of " + owner + " to transfer, also " + owner +
+                                            " itself; repeatable")
                             ->type_name("FILE")
                             ->expected(1)
                             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)

@@ -45,7 +45,7 @@ void Progress::draw_bar(const std::string& stage, double done, std::uint64_t tet
   const int filled = static_cast<int>(done * kBarWidth);
   const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
                           std::string(static_cast<std::size_t>(kBarWidth - filled), '.');
-  const std::string count = tets > 0 ? grouped(tets) + " tets" : "";
+  const std::string count = tets > 0 ? counted(tets, "tet") : "";
   fmt::print(stderr, "\r{:<16.16} [{}] {:>3.0f} %  {:>18}  {:>9}\033[K", stage, bar, 100 * done, count,
              seconds_text(seconds()));
   std::fflush(stderr);
@@ -76,7 +76,7 @@ void Progress::phase(const std::string& name) {
 void Progress::say(const std::string& stage, double done, std::uint64_t tets) {
   done = done_ = std::clamp(done, done_, 1.0);
   finish();
-  const std::string count = tets > 0 ? ", " + grouped(tets) + " tets" : "";
+  const std::string count = tets > 0 ? ", " + counted(tets, "tet") : "";
   fmt::print(stderr, "weft: {} {:.0f} %{}, {}\n", stage, 100 * done, count, seconds_text(seconds()));
 }
 

@@ -676,7 +676,7 @@ WEFT_API std::string fields_beside(const std::string& mesh);
 WEFT_API bool is_mesh_name(const std::string& path);
 WEFT_API bool holds_volumes(const std::string& path);
 WEFT_API bool holds_fields(const std::string& path);
-/// ".meshb, .mesh, ... and .obj", for messages; those that hold tets.
+/// ".meshb, .mesh, ... or .obj", for messages; those that hold tets.
 WEFT_API std::string mesh_extensions();
 WEFT_API std::string volume_extensions();
 

@@ -1,6 +1,7 @@
 #include "tools/library/jobs/sources/field_source.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
+#include "tools/common/inputs.h"
 #include "tools/library/jobs/sources/shares.h"
 
 namespace weft::tools {
@@ -19,6 +21,9 @@ namespace {
 using meshing::Field;
 using meshing::InputError;
 using meshing::SolutionData;
+
+/// What weft calls the metric of a result.
+constexpr const char* kMetricName = "metric";
 
 /// "mach" for the only field of mach.solb, "flow_2" for the second one of flow.solb.
 void name_fields(const std::string& file, SolutionData& solution) {
@@ -53,6 +58,23 @@ void check_values(const std::string& file, const SolutionData& fields, std::uint
     throw InputError(file, fmt::format("field {}", f + 1),
                      fmt::format("vertex {}: not a finite number", vertex + 1));
   }
+}
+
+std::vector<std::string> left_fields_warnings(const Files& files, const Options& options, const Fields& own) {
+  if (!files.fields.empty()) return {};
+  bool has_metric = !options.metric.file.empty() && same_file(options.metric.file, files.input);
+  std::vector<std::string> left;
+  for (std::size_t f = 0; f < own.fields.size(); ++f) {
+    const bool is_metric = has_metric && own.fields[f].kind != Field::Kind::vector;  // the first that can be
+    if (is_metric) has_metric = false;
+    const std::string name = meshing::field_name(own, f);
+    if (!is_metric && name != kMetricName) left.push_back(printable(name));
+  }
+  if (left.empty()) return {};
+  const bool one = left.size() == 1;
+  return {fmt::format("field{} {} of {} {} left behind: --field {} carries {}", one ? "" : "s",
+                      fmt::join(left, ", "), files.input, one ? "is" : "are", files.input,
+                      one ? "it" : "them")};
 }
 
 SolutionData read_all_fields(const std::vector<std::string>& files, std::size_t num_points,

@@ -27,6 +27,10 @@ Fields read_fields_of_slice(partition::Peers& peers, const std::vector<std::stri
 /// from 0: what the first of these is in the file.
 void check_values(const std::string& file, const Fields& fields, std::uint64_t first_vertex = 0);
 
+/// Warns of fields that the input itself holds and that are left behind, since no --field is given: not of
+/// the metric, which a result has anew. `own`: their kinds and names.
+std::vector<std::string> left_fields_warnings(const Files& files, const Options& options, const Fields& own);
+
 /// Returns call(), a transfer of fields; an InputError from it is thrown again with the mesh whose fault it
 /// is.
 template <class Call>
