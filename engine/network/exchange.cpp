@@ -17,7 +17,9 @@ struct PacketHeader {
   double load;
   std::uint64_t credit;  ///< counted bytes that the sender of this packet has consumed
   std::uint32_t phase;
-  std::uint32_t frames;
+  std::uint16_t frames;
+  std::uint8_t verdicts;  ///< 1: all of them end all runs
+  std::uint8_t leaving;   ///< 1: ranks leave the phase one by one
 };
 
 /// First bytes of every frame; `bytes` follow here, or are the first of its segments when they are too many.
@@ -38,6 +40,8 @@ std::size_t window_of(const ExchangeOptions& options, int ranks) {
   const auto peers = static_cast<std::size_t>(std::max(1, ranks - 1));
   return std::max(std::min(options.window_bytes, options.inbox_bytes / peers), kLeastWindow);
 }
+
+bool is_verdict(FrameKind kind) { return kind == FrameKind::stop || kind == FrameKind::failure; }
 
 bool is_counted(FrameKind kind) { return kind == FrameKind::task || kind == FrameKind::object; }
 
@@ -113,8 +117,9 @@ void Exchange::consumed(Rank from, std::size_t wire_bytes) {
   }
 }
 
-void Exchange::begin_phase() {
+void Exchange::begin_phase(bool leaving) {
   phase_ = transport_.next_phase();
+  leaving_ = leaving;
   if (first_phase_ == 0) first_phase_ = phase_;
   look_at_kept_ = true;
   const std::lock_guard lock(mutex_);
@@ -206,7 +211,7 @@ bool Exchange::flush(Rank to, Peer& peer) {
 
 void Exchange::send_packet(Rank to, Peer& peer, std::uint64_t credit) {
   Packet packet;
-  PacketHeader header{program_, load_, credit, phase_, 0};
+  PacketHeader header{program_, load_, credit, phase_, 0, 0, leaving_};
   packet.head.reserve(256);
   append_plain(packet.head, header);
   std::size_t sent_bytes = 0;
@@ -215,6 +220,9 @@ void Exchange::send_packet(Rank to, Peer& peer, std::uint64_t credit) {
     const std::size_t inlined =
         queue.front().payload.bytes.size() > kLargestInline ? 0 : queue.front().payload.bytes.size();
     if (packet.head.size() + sizeof(FrameHeader) + inlined > Transport::kMaxHead) break;
+    const bool verdict = is_verdict(queue.front().kind);
+    if (header.frames > 0 && verdict != (header.verdicts != 0)) break;
+    header.verdicts = verdict;
     if (is_counted(queue.front().kind)) {
       peer.under_way += queue.front().wire_bytes;
       sent_bytes += queue.front().wire_bytes;
@@ -253,7 +261,10 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
   const std::span<const std::byte> whole = head;
   const auto header = take_plain<PacketHeader>(head);
   if (header.phase < first_phase_) return;  // of an engine that is no more
-  if (header.phase > phase_) {
+  // Who fails in a phase that others have left, or waits in one for what a failure keeps from it, is heard.
+  const bool heard =
+      header.phase == phase_ || (header.verdicts && (header.phase > phase_ ? leaving_ : header.leaving != 0));
+  if (header.phase > phase_ && !heard) {
     return transport_.keep({from, {whole.begin(), whole.end()}, std::move(segments)});
   }
   Peer& peer = peer_of(from);
@@ -288,7 +299,7 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
     for (std::uint32_t s = 0; s < frame_header.segments; ++s)
       frame.payload.segments.push_back(take_segment());
     frame.wire_bytes = frame.payload.size() + sizeof(FrameHeader);
-    if (header.phase != phase_ || (!same_program && is_counted(frame.kind))) continue;
+    if (!heard || (!same_program && is_counted(frame.kind))) continue;
     try {
       deliver(from, std::move(frame), receive);
     } catch (...) {  // the frames behind it are no worse for it: one may be the stop that all wait for

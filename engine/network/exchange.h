@@ -78,8 +78,9 @@ class Exchange {
   /// The rest is for the communication thread only.
 
   /// Starts the next run of the engine's loop: frames of earlier runs are dropped, of later ones kept until
-  /// then.
-  void begin_phase();
+  /// then. `leaving`: ranks leave it one by one, before it is over for all. Then what ends all runs is heard
+  /// beyond it, and in it from beyond.
+  void begin_phase(bool leaving = false);
 
   /// Sends and receives what can be; true when anything happened.
   bool progress(const Receive& receive);
@@ -156,6 +157,7 @@ class Exchange {
   std::atomic<std::int64_t> inbox_{0};   ///< counted bytes received and not yet consumed
   std::uint32_t first_phase_ = 0;
   std::uint32_t phase_ = 0;
+  bool leaving_ = false;
   bool look_at_kept_ = false;
   double load_ = 0;
   std::uint64_t packets_sent_ = 0;

@@ -237,14 +237,13 @@ void Runtime::Implementation::run(std::function<bool()> done, std::function<void
 
 void Runtime::Implementation::begin(std::function<bool()> done) {
   done_ = std::move(done);
-  exchange_.begin_phase();
+  exchange_.begin_phase(done_ != nullptr);
   // What the policies of two ranks last told each other may have been lost at the end of the last run.
   balancer_ = options_.balancer(rank(), ranks());
   scheduler_.wake_when_ready(false);
-  termination_.emplace(
-      rank(), ranks(),
-      [this](Rank to, const WaveMessage& message) { exchange_.post(to, FrameKind::wave, packed(message)); },
-      done_ ? Termination::Ends::known : Termination::Ends::found);
+  termination_.emplace(rank(), ranks(), [this](Rank to, const WaveMessage& message) {
+    exchange_.post(to, FrameKind::wave, packed(message));
+  });
   ended_ = told_waits_ = notice_told_ = false;
   failed_here_.reset();
   waits_.clear();
@@ -323,7 +322,7 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
     case FrameKind::balance:
       return balancer_->told(from, unpacked<BalanceMessage>(std::move(payload)), *this);
     case FrameKind::failure:
-      if (ended_) return;  // a signal came to a rank that had not heard yet
+      if (ended_ && !done_) return;  // a signal came to a rank that had not heard yet
       return declare_failure({unpacked<std::string>(std::move(payload)), Rank(0), false});
     case FrameKind::stop:
       return accept_verdict(from, unpacked<Verdict>(std::move(payload)));
@@ -416,6 +415,10 @@ std::optional<WaveCount> Runtime::Implementation::count_if_passive() {
 }
 
 void Runtime::Implementation::detect_end() {
+  if (done_) {  // others may wait for what comes to them, but no more for this rank
+    ended_ = count_if_passive().has_value();
+    return;
+  }
   for (; termination_->due(turn_); turn_ = now()) {
     const std::optional<WaveCount> count = count_if_passive();
     if (!count) return;

@@ -119,9 +119,10 @@ class Runtime {
 
   /// The same for messages between objects that cannot move, where each rank knows what comes to it: `done`
   /// says whether all of that has been handled here. The communication thread asks it while no handler runs.
-  /// Nothing is balanced, and the end takes one message up and one down the tree of ranks: run() has to ask
-  /// until it is certain. Where `done` stays false, for a message that nobody sends
-  /// or that the network loses, the run goes on until it is stopped or a rank dies.
+  /// Nothing is balanced, and a rank returns when it has had and sent all of its own: others may be in the
+  /// run still, or not yet, and hear of this rank's next one when they come to it. A failure later on is
+  /// thrown on this rank by the run that it is in then. Where `done` stays false, for a message that nobody
+  /// sends or that the network loses, the run goes on until it is stopped or a rank dies.
   void run_until(std::function<bool()> done, std::function<void(Context&)> root);
 
   /// All ranks stop soon and fail with `reason` (a literal: only the pointer is kept). From any thread or

@@ -19,12 +19,9 @@ WaveCount operator+(const WaveCount& a, const WaveCount& b) {
 
 }  // namespace
 
-Termination::Termination(Rank rank, int ranks, Send send, Ends ends)
-    : rank_(rank), ranks_(ranks), send_(std::move(send)), ends_(ends), backoff_(kShortestBackoff) {
-  if (ends_ == Ends::known)
-    expect_reports();
-  else if (rank_.value == 0)
-    next_wave_ = 0;
+Termination::Termination(Rank rank, int ranks, Send send)
+    : rank_(rank), ranks_(ranks), send_(std::move(send)), backoff_(kShortestBackoff) {
+  if (rank_.value == 0) next_wave_ = 0;
 }
 
 template <class Visit>
@@ -33,16 +30,14 @@ void Termination::each_child(Visit visit) const {
     visit(Rank(child));
 }
 
-void Termination::expect_reports() {
+void Termination::start_wave() {
   probed_ = true;
   sums_ = {};
   reports_missing_ = 0;
-  each_child([&](Rank) { ++reports_missing_; });
-}
-
-void Termination::start_wave() {
-  expect_reports();
-  each_child([&](Rank child) { send_(child, {WaveMessage::Kind::probe, wave_, {}}); });
+  each_child([&](Rank child) {
+    ++reports_missing_;
+    send_(child, {WaveMessage::Kind::probe, wave_, {}});
+  });
 }
 
 void Termination::receive(Rank, const WaveMessage& message) {
@@ -79,8 +74,7 @@ void Termination::step(const std::optional<WaveCount>& count, TimePoint time) {
 }
 
 void Termination::finish_wave(TimePoint time) {
-  const bool ended =
-      ends_ == Ends::known ? sums_.sent == sums_.received : has_previous_ && sums_.sent == previous_.received;
+  const bool ended = has_previous_ && sums_.sent == previous_.received;
   const bool same = has_previous_ && sums_.sent == previous_.sent && sums_.received == previous_.received;
   futile_for_ = same && !ended ? futile_for_ + std::min(time - last_back_, kMostOfOneWave) : 0;
   last_back_ = time;

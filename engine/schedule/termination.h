@@ -7,9 +7,6 @@
 // up: the run has ended. Proof: F. Mattern, Algorithms for distributed termination detection, Distributed
 // Computing 2 (1987), section 6. No order of messages is needed. While any rank works, the wave waits there
 // and nobody sends anything.
-//
-// Where each rank knows by itself when it has had all that comes to it (Ends::known) it is passive only then,
-// and not woken again: each answers once, unasked, and the first sums prove the end.
 #pragma once
 
 #include <cstdint>
@@ -41,12 +38,7 @@ class Termination {
  public:
   using Send = std::function<void(Rank to, const WaveMessage&)>;
 
-  enum class Ends : std::uint8_t {
-    found,  ///< ranks that are passive may be woken again
-    known   ///< they are not
-  };
-
-  Termination(Rank rank, int ranks, Send send, Ends ends = Ends::found);
+  Termination(Rank rank, int ranks, Send send);
 
   void receive(Rank from, const WaveMessage& message);
 
@@ -74,7 +66,6 @@ class Termination {
 
  private:
   void start_wave();
-  void expect_reports();
   void finish_wave(TimePoint time);
   void end(const WaveCount& sums);
   template <class Visit>
@@ -83,7 +74,6 @@ class Termination {
   Rank rank_;
   int ranks_;
   Send send_;
-  Ends ends_;
   std::uint64_t wave_ = 0;   ///< the latest known
   bool probed_ = false;      ///< a wave is here and has not gone on
   int reports_missing_ = 0;  ///< children that have not answered

@@ -14,7 +14,8 @@ namespace weft::graph::dataflow {
 
 /// Exchanges through a mailbox object of each rank, which has the rank's first id: so the others know its
 /// address without asking. All ranks must call the same functions in the same order; each is one run of the
-/// engine, so that nothing of it is on its way before or after. They throw engine::RunFailure on all ranks.
+/// engine, which a rank leaves when it has what comes to it. They throw engine::RunFailure, on ranks that
+/// have left the next time.
 class RankExchange {
  public:
   static constexpr std::uint32_t kObjects = 1;  ///< that it makes on every rank, before all others

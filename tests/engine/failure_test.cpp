@@ -106,6 +106,17 @@ class FailureOnRanks : public weft::testing::OnRanks {
 INSTANTIATE_TEST_SUITE_P(Ranks, FailureOnRanks, ::testing::ValuesIn(weft::testing::rank_counts()),
                          [](const auto& ranks) { return std::to_string(ranks.param); });
 
+/// What the run that `act` makes fails with.
+template <class Act>
+std::string what_of(const Act& act) {
+  try {
+    act();
+  } catch (const RunFailure& failure) {
+    return failure.what();
+  }
+  return "no failure";
+}
+
 TEST_P(FailureOnRanks, AHandlerThatThrowsIsNamedWithItsObjectAndRank) {
   const std::string r = rank_text();
   expect_failure(
@@ -417,6 +428,38 @@ TEST_P(FailureOnRanks, RequestStopEndsTheRunOnAllRanks) {
       EXPECT_STREQ(failure.what(), "enough");
     }
     if (stopper.joinable()) stopper.join();
+  });
+}
+
+/// Who has had all that comes to it has left a run in which another fails later, and hears of it in its next.
+TEST_P(FailureOnRanks, WhoHasLeftARunHearsInTheNextThatItFailed) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const Registry registry = bombs();
+    Runtime runtime(transport, registry, {.on_failure = [](const std::string&) {}});
+    const auto fail_late = [&] {
+      runtime.run_until([] { return true; },
+                        [&](Context& context) {
+                          if (context.rank() != Rank(last())) return;
+                          std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                          throw std::runtime_error("no input");
+                        });
+      runtime.run_until([] { return false; }, {});
+    };
+    EXPECT_THAT(what_of(fail_late), HasSubstr("no input"));
+  });
+}
+
+/// It fails in a run that the others have not come to: they wait for what nobody sends.
+TEST_P(FailureOnRanks, WhoIsAheadEndsTheRunThatTheOthersAreIn) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const Registry registry = bombs();
+    Runtime runtime(transport, registry, {.on_failure = [](const std::string&) {}});
+    const bool is_ahead = runtime.rank() == Rank(last());
+    const auto fail_ahead = [&] {
+      runtime.run_until([&] { return is_ahead; }, {});
+      runtime.run([](Context&) { throw std::runtime_error("no input"); });
+    };
+    EXPECT_THAT(what_of(fail_ahead), HasSubstr("no input"));
   });
 }
 

@@ -267,37 +267,6 @@ TEST(Termination, IsNeverTooEarlyAndAlwaysComes) {
   }
 }
 
-TEST(Termination, AKnownEndTakesAMessageUpAndOneDownTheTree) {
-  constexpr int kRanks = 7;
-  std::vector<std::pair<Rank, WaveMessage>> flying;
-  std::vector<Termination> detectors;
-  for (int r = 0; r < kRanks; ++r)
-    detectors.emplace_back(
-        Rank(r), kRanks,
-        [&](Rank to, const WaveMessage& message) {
-          flying.push_back({to, message});
-        },
-        Termination::Ends::known);
-  const auto all_go_on = [&](const std::vector<std::optional<WaveCount>>& counts) {
-    std::size_t messages = 0;
-    for (std::size_t before = 1; before != 0;) {
-      for (std::size_t r = 0; r < kRanks; ++r) detectors[r].step(counts[r], 0);
-      before = flying.size();
-      for (const auto& [to, message] : std::exchange(flying, {}))
-        detectors[to.index()].receive(Rank(), message);
-      messages += before;
-    }
-    return messages;
-  };
-  std::vector<std::optional<WaveCount>> counts(kRanks, WaveCount{3, 3});
-  counts[5].reset();
-  EXPECT_EQ(all_go_on(counts), 4u) << "ranks 1, 3, 4 and 6 wait for no other";
-  for (const Termination& detector : detectors) EXPECT_FALSE(detector.ended());
-  counts[5] = WaveCount{3, 3};
-  EXPECT_EQ(all_go_on(counts), 8u) << "two up, and one to each but the root";
-  for (const Termination& detector : detectors) EXPECT_TRUE(detector.ended());
-}
-
 constexpr TimePoint kSecond = 1'000'000'000;
 
 TEST(Termination, WorkThatLastsIsNoLostMessage) {
