@@ -18,7 +18,7 @@ struct PacketHeader {
   std::uint64_t credit;  ///< counted bytes that the sender of this packet has consumed
   std::uint32_t phase;
   std::uint16_t frames;
-  std::uint8_t verdicts;  ///< 1: all of them end all runs
+  std::uint8_t verdicts;  ///< a Verdicts
   std::uint8_t leaving;   ///< 1: ranks leave the phase one by one
 };
 
@@ -41,7 +41,13 @@ std::size_t window_of(const ExchangeOptions& options, int ranks) {
   return std::max(std::min(options.window_bytes, options.inbox_bytes / peers), kLeastWindow);
 }
 
-bool is_verdict(FrameKind kind) { return kind == FrameKind::stop || kind == FrameKind::failure; }
+/// What all frames of a packet are.
+enum Verdicts : std::uint8_t { kNoVerdicts, kOfARun, kOfTheNetwork };
+
+Verdicts verdicts_of(FrameKind kind) {
+  if (kind == FrameKind::broken) return kOfTheNetwork;
+  return kind == FrameKind::stop || kind == FrameKind::failure ? kOfARun : kNoVerdicts;
+}
 
 bool is_counted(FrameKind kind) { return kind == FrameKind::task || kind == FrameKind::object; }
 
@@ -220,9 +226,10 @@ void Exchange::send_packet(Rank to, Peer& peer, std::uint64_t credit) {
     const std::size_t inlined =
         queue.front().payload.bytes.size() > kLargestInline ? 0 : queue.front().payload.bytes.size();
     if (packet.head.size() + sizeof(FrameHeader) + inlined > Transport::kMaxHead) break;
-    const bool verdict = is_verdict(queue.front().kind);
-    if (header.frames > 0 && verdict != (header.verdicts != 0)) break;
-    header.verdicts = verdict;
+    const Verdicts verdicts = verdicts_of(queue.front().kind);
+    if (header.frames > 0 && verdicts != header.verdicts) break;
+    header.verdicts = verdicts;
+    if (verdicts != kNoVerdicts && failed_phase_ > 0) header.phase = failed_phase_, header.leaving = 1;
     if (is_counted(queue.front().kind)) {
       peer.under_way += queue.front().wire_bytes;
       sent_bytes += queue.front().wire_bytes;
@@ -261,12 +268,11 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
   const std::span<const std::byte> whole = head;
   const auto header = take_plain<PacketHeader>(head);
   if (header.phase < first_phase_) return;  // of an engine that is no more
-  // Who fails in a phase that others have left, or waits in one for what a failure keeps from it, is heard.
-  const bool heard =
-      header.phase == phase_ || (header.verdicts && (header.phase > phase_ ? leaving_ : header.leaving != 0));
-  if (header.phase > phase_ && !heard) {
+  const bool at_once = header.verdicts == kOfTheNetwork;
+  if (header.phase > phase_ && !at_once)
     return transport_.keep({from, {whole.begin(), whole.end()}, std::move(segments)});
-  }
+  const bool late = header.verdicts == kOfARun && header.leaving && header.phase < phase_;
+  if (late) failed_phase_ = header.phase;
   Peer& peer = peer_of(from);
   if (from != transport_.rank()) loads_.set(from, header.load);
   if (header.credit > peer.under_way) throw TransportError("a rank confirms more than was sent to it");
@@ -299,6 +305,7 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
     for (std::uint32_t s = 0; s < frame_header.segments; ++s)
       frame.payload.segments.push_back(take_segment());
     frame.wire_bytes = frame.payload.size() + sizeof(FrameHeader);
+    const bool heard = header.phase == phase_ || at_once || late;
     if (!heard || (!same_program && is_counted(frame.kind))) continue;
     try {
       deliver(from, std::move(frame), receive);

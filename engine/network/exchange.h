@@ -30,6 +30,7 @@ enum class FrameKind : std::uint8_t {
   wave,       ///< termination
   balance,    ///< of the balancing policy
   stop,       ///< the run fails: stop
+  broken,     ///< the same of a run in which the network fails or a rank dies: no other can follow
   failure,    ///< to rank 0: this rank has failed
   waits,      ///< to rank 0: who waits here for whom
   heartbeat,  ///< this rank lives
@@ -78,8 +79,8 @@ class Exchange {
   /// The rest is for the communication thread only.
 
   /// Starts the next run of the engine's loop: frames of earlier runs are dropped, of later ones kept until
-  /// then. `leaving`: ranks leave it one by one, before it is over for all. Then what ends all runs is heard
-  /// beyond it, and in it from beyond.
+  /// then. `leaving`: ranks leave it one by one, before it is over for all. A failure in it is heard by those
+  /// who have left, and what they tell of it by those who are in it.
   void begin_phase(bool leaving = false);
 
   /// Sends and receives what can be; true when anything happened.
@@ -158,6 +159,7 @@ class Exchange {
   std::uint32_t first_phase_ = 0;
   std::uint32_t phase_ = 0;
   bool leaving_ = false;
+  std::uint32_t failed_phase_ = 0;  ///< that this rank had left when another failed in it; 0: none
   bool look_at_kept_ = false;
   double load_ = 0;
   std::uint64_t packets_sent_ = 0;

@@ -325,6 +325,7 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
       if (ended_ && !done_) return;  // a signal came to a rank that had not heard yet
       return declare_failure({unpacked<std::string>(std::move(payload)), Rank(0), false});
     case FrameKind::stop:
+    case FrameKind::broken:
       return accept_verdict(from, unpacked<Verdict>(std::move(payload)));
     case FrameKind::waits:
       return receive_waits(unpacked<std::vector<std::string>>(std::move(payload)));
@@ -480,7 +481,8 @@ void Runtime::Implementation::wind_down() {
 /// Receives and sends once more; what comes is of interest only if the run has not failed.
 void Runtime::Implementation::let_go() {
   const auto receive_or_drop = [this](Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
-    if (!failure_ || kind == FrameKind::stop) receive(from, kind, std::move(payload), wire_bytes);
+    if (!failure_ || kind == FrameKind::stop || kind == FrameKind::broken)
+      receive(from, kind, std::move(payload), wire_bytes);
   };
   try {
     if (!exchange_.progress(receive_or_drop)) transport_.wait(std::chrono::milliseconds(1));
@@ -556,8 +558,9 @@ void Runtime::Implementation::accept_verdict(Rank from, Verdict verdict) {
 }
 
 void Runtime::Implementation::tell_verdict() {
+  const FrameKind kind = failure_->broken ? FrameKind::broken : FrameKind::stop;
   for (int r = 0; r < ranks(); ++r) {
-    if (r != rank().value) exchange_.post(Rank(r), FrameKind::stop, packed(*failure_));
+    if (r != rank().value) exchange_.post(Rank(r), kind, packed(*failure_));
   }
 }
 
