@@ -132,6 +132,11 @@ void Exchange::begin_phase(bool leaving) {
   released_ = false;
 }
 
+/// Those who had left it are one ahead.
+void Exchange::end_failed_phase() {
+  if (failed_phase_ == 0) transport_.next_phase();
+}
+
 bool Exchange::idle() {
   take_posted();
   return pending_peers_.empty() && transport_.all_sent();

@@ -83,6 +83,9 @@ class Exchange {
   /// who have left, and what they tell of it by those who are in it.
   void begin_phase(bool leaving = false);
 
+  /// After a phase has failed: all ranks are in the same one again, for whoever uses the network next.
+  void end_failed_phase();
+
   /// Sends and receives what can be; true when anything happened.
   bool progress(const Receive& receive);
 

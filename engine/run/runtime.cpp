@@ -232,7 +232,9 @@ void Runtime::Implementation::run(std::function<bool()> done, std::function<void
     if (sum == calls_.end()) sum = calls_.insert(calls_.end(), {name, 0});
     sum->second += count;
   }
-  if (failure_) throw failure();
+  if (!failure_) return;
+  exchange_.end_failed_phase();
+  throw failure();
 }
 
 void Runtime::Implementation::begin(std::function<bool()> done) {
@@ -657,6 +659,7 @@ void Runtime::Implementation::progress_until(const std::function<bool()>& done) 
     }
     if (!failure_) continue;
     wind_down();
+    exchange_.end_failed_phase();
     throw failure();
   }
 }
