@@ -34,6 +34,7 @@ enum class FrameKind : std::uint8_t {
   failure,    ///< to rank 0: this rank has failed
   waits,      ///< to rank 0: who waits here for whom
   heartbeat,  ///< this rank lives
+  leaving,    ///< and is to be heard no more in this run, which others have not left
   bulletin,   ///< to rank 0: how far this rank is
   notice,     ///< RuntimeOptions::notice has been set
   snapshot,   ///< of RuntimeOptions::snapshots

@@ -189,6 +189,7 @@ class Runtime::Implementation final : private BalanceActions {
   std::optional<Verdict> failure_;
   bool reported_ = false;  ///< the rank that reports the failure has done so
   bool told_waits_ = false;
+  bool told_leaving_ = false;
   bool notice_told_ = false;
   int waits_missing_ = 0;
   std::vector<std::string> waits_;
@@ -246,7 +247,7 @@ void Runtime::Implementation::begin(std::function<bool()> done) {
   termination_.emplace(rank(), ranks(), [this](Rank to, const WaveMessage& message) {
     exchange_.post(to, FrameKind::wave, packed(message));
   });
-  ended_ = told_waits_ = notice_told_ = false;
+  ended_ = told_waits_ = told_leaving_ = notice_told_ = false;
   failed_here_.reset();
   waits_.clear();
   waits_missing_ = 0;
@@ -332,6 +333,9 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
     case FrameKind::waits:
       return receive_waits(unpacked<std::vector<std::string>>(std::move(payload)));
     case FrameKind::heartbeat:
+      return;
+    case FrameKind::leaving:
+      last_heard_ = 0;
       return;
     case FrameKind::bulletin:
       if (options_.bulletins.read) options_.bulletins.read(from, std::move(payload));
@@ -419,7 +423,9 @@ std::optional<WaveCount> Runtime::Implementation::count_if_passive() {
 
 void Runtime::Implementation::detect_end() {
   if (done_) {  // others may wait for what comes to them, but no more for this rank
-    ended_ = count_if_passive().has_value();
+    if (!count_if_passive()) return;
+    ended_ = ranks() == 1 || std::exchange(told_leaving_, true);
+    if (!ended_) exchange_.post(Rank((rank().value + 1) % ranks()), FrameKind::leaving, {});
     return;
   }
   for (; termination_->due(turn_); turn_ = now()) {
