@@ -278,6 +278,7 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
     return transport_.keep({from, {whole.begin(), whole.end()}, std::move(segments)});
   const bool late = header.verdicts == kOfARun && header.leaving && header.phase < phase_;
   if (late) failed_phase_ = header.phase;
+  const bool heard = header.phase == phase_ || at_once || late;
   Peer& peer = peer_of(from);
   if (from != transport_.rank()) loads_.set(from, header.load);
   if (header.credit > peer.under_way) throw TransportError("a rank confirms more than was sent to it");
@@ -310,7 +311,6 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
     for (std::uint32_t s = 0; s < frame_header.segments; ++s)
       frame.payload.segments.push_back(take_segment());
     frame.wire_bytes = frame.payload.size() + sizeof(FrameHeader);
-    const bool heard = header.phase == phase_ || at_once || late;
     if (!heard || (!same_program && is_counted(frame.kind))) continue;
     try {
       deliver(from, std::move(frame), receive);

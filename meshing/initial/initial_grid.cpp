@@ -6,6 +6,7 @@
 #include <numeric>
 #include <unordered_set>
 
+#include "meshing/base/number_sets.h"
 #include "meshing/initial/grid/delaunay.h"
 #include "meshing/initial/recovery/improve_tets.h"
 #include "meshing/initial/recovery/lift_steiner.h"
@@ -26,16 +27,11 @@ struct Regions {
 /// Connected pieces of the surface, numbered by facet: through edges, because where two meet in a vertex
 /// alone one may be a void, or a body in a void, of what the other bounds.
 std::vector<std::uint32_t> shells(const Recovery& r) {
-  std::vector<std::uint32_t> parent(r.edges.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t e) {
-    while (parent[e] != e) e = parent[e] = parent[parent[e]];
-    return e;
-  };
+  NumberSets sets(r.edges.size());
   for (const auto& edges : r.facet_edges)
-    for (const std::uint32_t e : edges) parent[root(e)] = root(edges[0]);
+    for (const std::uint32_t e : edges) sets.unite(e, edges[0]);
   std::vector<std::uint32_t> shell(r.facets.size());
-  for (std::size_t i = 0; i < shell.size(); ++i) shell[i] = root(r.facet_edges[i][0]);
+  for (std::size_t i = 0; i < shell.size(); ++i) shell[i] = sets.of(r.facet_edges[i][0]);
   return shell;
 }
 

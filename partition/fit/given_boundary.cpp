@@ -43,7 +43,12 @@ class GivenBoundary {
  public:
   GivenBoundary(Peers& peers, const MeshSlice& slice, std::span<const std::uint32_t> numbers,
                 MeshPiece& piece)
-      : peers_(peers), slice_(slice), numbers_(numbers), piece_(piece), points_(peers, slice.points.size()) {}
+      : peers_(peers),
+        slice_(slice),
+        numbers_(numbers),
+        piece_(piece),
+        ranges_(Ranges::of_arrays(peers, {slice.points.size(), slice.boundary.corners.size() +
+                                                                   slice.boundary.required_points.size()})) {}
 
   bool take() {
     take_point_refs();
@@ -89,6 +94,7 @@ class GivenBoundary {
   void own_points() {
     const std::uint64_t first = slice_.first_point, last = first + slice_.points.size();
     for (const std::uint32_t number : numbers_) piece_.own_points.push_back(number >= first && number < last);
+    if (ranges_[1].total() == 0) return;
     const std::vector<std::uint32_t> numbers(numbers_.begin(), numbers_.end());
     take_listed_points(peers_, asked_at_home(peers_, numbers), listed_points_at_home(peers_, slice_.boundary),
                        numbers, piece_.mesh);
@@ -255,7 +261,8 @@ class GivenBoundary {
   const MeshSlice& slice_;
   std::span<const std::uint32_t> numbers_;
   MeshPiece& piece_;
-  Ranges points_;
+  const std::vector<Ranges> ranges_;  // of the points, and of those that are listed
+  const Ranges& points_ = ranges_[0];
 };
 
 }  // namespace

@@ -8,26 +8,10 @@
 #include <tuple>
 #include <utility>
 
+#include "meshing/base/number_sets.h"
+
 namespace weft::partition {
 namespace {
-
-/// Disjoint sets, each named by its lowest member.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// Of a rank's features.
 struct Chains {
@@ -52,17 +36,17 @@ Chains chains_of(std::span<const meshing::FoundFeature> mine, std::uint32_t rank
     for (std::size_t i = 0; i < 2; ++i)
       if (!mine[f].corners[i]) ends.emplace_back(mine[f].vertices[i], f);
   std::ranges::sort(ends);
-  Sets sets(mine.size());
+  meshing::NumberSets sets(mine.size());
   std::vector<std::size_t> alone;
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const bool after = i > 0 && ends[i - 1].first == ends[i].first;
     const bool before = i + 1 < ends.size() && ends[i + 1].first == ends[i].first;
-    if (after) sets.join(ends[i - 1].second, ends[i].second);
+    if (after) sets.unite(ends[i - 1].second, ends[i].second);
     if (!after && !before) alone.push_back(i);
   }
   Chains chains;
   for (std::uint32_t f = 0; f < mine.size(); ++f) {
-    const std::uint32_t root = sets.root(f);
+    const std::uint32_t root = sets.of(f);
     if (root == f) chains.edges.push_back(0);
     chains.of_feature.push_back(root == f ? static_cast<std::uint32_t>(chains.edges.size() - 1)
                                           : chains.of_feature[root]);
@@ -97,11 +81,11 @@ std::vector<std::size_t> homes_of_curves(Peers& peers, std::span<const meshing::
     first.push_back(static_cast<std::uint32_t>(edges.size()));
     edges.insert(edges.end(), of_rank.begin(), of_rank.end());
   }
-  Sets sets(edges.size());
+  meshing::NumberSets sets(edges.size());
   for (const auto& [ends] : links)
-    sets.join(first[ends[0].rank] + ends[0].chain, first[ends[1].rank] + ends[1].chain);
+    sets.unite(first[ends[0].rank] + ends[0].chain, first[ends[1].rank] + ends[1].chain);
   for (std::uint32_t c = 0; c < edges.size(); ++c)
-    if (const std::uint32_t root = sets.root(c); root != c) edges[root] += std::exchange(edges[c], 0);
+    if (const std::uint32_t root = sets.of(c); root != c) edges[root] += std::exchange(edges[c], 0);
   const std::uint64_t total = std::accumulate(edges.begin(), edges.end(), std::uint64_t{0});
   std::uint64_t passed = 0;
   std::vector<std::size_t> homes(edges.size());  // of chains that name their sets
@@ -110,7 +94,7 @@ std::vector<std::size_t> homes_of_curves(Peers& peers, std::span<const meshing::
     passed += edges[c];
   }
   std::vector<std::size_t> of_mine;
-  for (const std::uint32_t chain : chains.of_feature) of_mine.push_back(homes[sets.root(first[me] + chain)]);
+  for (const std::uint32_t chain : chains.of_feature) of_mine.push_back(homes[sets.of(first[me] + chain)]);
   return of_mine;
 }
 

@@ -363,7 +363,7 @@ std::vector<std::vector<std::uint32_t>> ShareBuilder::faces_of_patches() {
   return faces;
 }
 
-/// All ranks: see meshing::SurfaceOnModel. Who has a curve's first edge tells.
+/// All ranks: see meshing::put_curves_on_model(). Who has a curve's first edge tells.
 std::vector<std::vector<PatchId>> ShareBuilder::patches_at_curves() {
   std::vector<std::array<std::uint32_t, 2>> mine;  // curves, and patches there
   for (const auto& [vertices, curve] : curves_->first_edges()) {
@@ -378,17 +378,11 @@ std::vector<std::vector<PatchId>> ShareBuilder::patches_at_curves() {
 
 void ShareBuilder::put_patches_on_model() {
   tables_->model = model_;
-  meshing::SurfaceOnModel on_model;
-  on_model.triangle_refs = on_model_->triangle_refs();
-  on_model.patch_faces = faces_of_patches();
-  meshing::put_patches_on_model(on_model, *tables_);
+  meshing::put_patches_on_model(on_model_->triangle_refs(), faces_of_patches(), *tables_);
 }
 
 void ShareBuilder::put_curves_on_model() {
-  meshing::SurfaceOnModel on_model;
-  on_model.edge_refs = on_model_->edge_refs();
-  on_model.curve_patches = patches_at_curves();
-  meshing::put_curves_on_model(on_model, curves_->found(), *tables_);
+  meshing::put_curves_on_model(on_model_->edge_refs(), patches_at_curves(), curves_->found(), *tables_);
 }
 
 void ShareBuilder::name_triangles() {

@@ -56,27 +56,28 @@ std::vector<std::array<double, 2>> parameters_at(std::span<const Surface::Featur
   return all;
 }
 
-void put_patches_on_model(SurfaceOnModel& on_model, SurfaceTables& tables) {
-  tables.patch_faces = std::move(on_model.patch_faces);
+void put_patches_on_model(const JointRefs& triangle_refs, std::vector<std::vector<std::uint32_t>> patch_faces,
+                          SurfaceTables& tables) {
+  tables.patch_faces = std::move(patch_faces);
   for (std::uint32_t p = 0; p < tables.patches.size(); ++p) {
-    tables.patches[p].ref = on_model.triangle_refs[tables.patches[p].ref].ref;
+    tables.patches[p].ref = triangle_refs[tables.patches[p].ref].ref;
     for (const std::uint32_t f : tables.patch_faces[p])
       tables.patches[p].detail = std::min(tables.patches[p].detail, tables.model->detail(f));
     if (!tables.patch_faces[p].empty()) take_plane(p, tables);
   }
 }
 
-void put_curves_on_model(const SurfaceOnModel& on_model, std::span<const FoundCurve> curves,
-                         SurfaceTables& tables) {
+void put_curves_on_model(const JointRefs& edge_refs, std::span<const std::vector<PatchId>> curve_patches,
+                         std::span<const FoundCurve> curves, SurfaceTables& tables) {
   tables.curve_patch.assign(tables.curves.size(), kNone);
   for (std::uint32_t c = 0; c < tables.curves.size(); ++c) {
-    const JointRef& joint = on_model.edge_refs[tables.curves[c].ref];
+    const JointRef& joint = edge_refs[tables.curves[c].ref];
     tables.curves[c].ref = joint.ref;
     tables.curve_edge.push_back(joint.entity);
     if (joint.entity != kNoEntity)
       take_line(c, curves[c], tables);
     else
-      take_patch(c, on_model.curve_patches[c], tables);
+      take_patch(c, curve_patches[c], tables);
   }
 }
 

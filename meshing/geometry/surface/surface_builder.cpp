@@ -38,10 +38,9 @@ class SurfaceBuilder {
     take_curves(curves_, tables_);
     auto handles = control_points(mesh_.points, tables_.patches, tables_.curves, topology_);
     if (on_model()) {
-      take_patches_of_model();
-      take_curves_of_model();
-      put_patches_on_model(on_model_, tables_);
-      put_curves_on_model(on_model_, curves_, tables_);
+      put_patches_on_model(triangle_refs_, faces_of_patches(), tables_);
+      put_curves_on_model(edge_refs_, patches_at_curves(), curves_, tables_);
+      feature_t_ = parameters_at(topology_.features, classification_.edges);
     }
     BuiltSurface built;
     built.input = {topology_.triangle_patch, topology_.features, topology_.vertex_kind, {}};
@@ -61,13 +60,13 @@ class SurfaceBuilder {
   void build_on_model();
   void find_patches();
   MeshData with_joint_refs();
-  void take_patches_of_model();
-  void take_curves_of_model();
+  std::vector<std::vector<std::uint32_t>> faces_of_patches() const;
+  std::vector<std::vector<PatchId>> patches_at_curves() const;
 
   const MeshData& mesh_;
   const Surface::Options& options_;
   ModelClassification classification_;
-  SurfaceOnModel on_model_;
+  JointRefs triangle_refs_, edge_refs_;
   SurfaceTopology topology_;
   std::vector<FoundCurve> curves_;
   SurfaceTables tables_;
@@ -100,7 +99,7 @@ void SurfaceBuilder::find_patches() {
 
 void SurfaceBuilder::build_on_model() {
   const MeshData joint = with_joint_refs();
-  KnownShapes known{on_model_.triangle_refs.on_model(), on_model_.edge_refs.on_model(), {}};
+  KnownShapes known{triangle_refs_.on_model(), edge_refs_.on_model(), {}};
   for (const auto& [vertex, node] : classification_.nodes) known.corners.push_back(vertex);
   build_topology(joint, known);
   for (std::size_t t = 0; t < topology_.triangles.size(); ++t)
@@ -131,26 +130,27 @@ MeshData SurfaceBuilder::with_joint_refs() {
     joint.edges.push_back(e.vertices);
     edges.push_back({0, e.edge});
   }
-  joint.triangle_refs = numbered(triangles, on_model_.triangle_refs);
-  joint.edge_refs = numbered(edges, on_model_.edge_refs);
+  joint.triangle_refs = numbered(triangles, triangle_refs_);
+  joint.edge_refs = numbered(edges, edge_refs_);
   return joint;
 }
 
-void SurfaceBuilder::take_patches_of_model() {
-  on_model_.patch_faces.resize(tables_.patches.size());
+std::vector<std::vector<std::uint32_t>> SurfaceBuilder::faces_of_patches() const {
+  std::vector<std::vector<std::uint32_t>> faces(tables_.patches.size());
   for (std::uint32_t t = 0; t < topology_.triangles.size(); ++t)
     if (const std::uint32_t face = classification_.triangle_face[t]; face != kNoEntity)
-      on_model_.patch_faces[topology_.triangle_patch[t].value].push_back(face);
-  for (auto& faces : on_model_.patch_faces) sort_unique(faces);
+      faces[topology_.triangle_patch[t].value].push_back(face);
+  for (auto& of_patch : faces) sort_unique(of_patch);
+  return faces;
 }
 
-void SurfaceBuilder::take_curves_of_model() {
-  on_model_.curve_patches.resize(curves_.size());
+std::vector<std::vector<PatchId>> SurfaceBuilder::patches_at_curves() const {
+  std::vector<std::vector<PatchId>> patches(curves_.size());
   for (std::uint32_t f = 0; f < topology_.features.size(); ++f)
     if (topology_.on_curve[f].first)
       for (const std::uint32_t t : topology_.triangles_at(f))
-        on_model_.curve_patches[topology_.features[f].curve.value].push_back(topology_.triangle_patch[t]);
-  feature_t_ = parameters_at(topology_.features, classification_.edges);
+        patches[topology_.features[f].curve.value].push_back(topology_.triangle_patch[t]);
+  return patches;
 }
 
 }  // namespace

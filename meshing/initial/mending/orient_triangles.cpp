@@ -1,9 +1,9 @@
 #include "meshing/initial/mending/orient_triangles.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "meshing/base/box.h"
+#include "meshing/base/number_sets.h"
 #include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/mending/winding_number.h"
 
@@ -125,25 +125,17 @@ class Orienting {
   }
 
   void group(std::span<const std::array<std::uint32_t, 2>> crossings) {
-    std::vector<std::uint32_t> parent(sheets_.size()), at_vertex(points_.size(), kNone);
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto root = [&](std::uint32_t s) {
-      while (parent[s] != s) s = parent[s] = parent[parent[s]];
-      return s;
-    };
-    const auto join = [&](std::uint32_t a, std::uint32_t b) {
-      a = root(a), b = root(b);
-      parent[std::max(a, b)] = std::min(a, b);
-    };
+    NumberSets sets(sheets_.size());
+    std::vector<std::uint32_t> at_vertex(points_.size(), kNone);
     for (std::uint32_t t = 0; t < triangles_.size(); ++t)
       for (const std::uint32_t v : triangles_.corners[t]) {
         if (at_vertex[v] == kNone) at_vertex[v] = sheet_of_[t];
-        join(at_vertex[v], sheet_of_[t]);
+        sets.unite(at_vertex[v], sheet_of_[t]);
       }
-    for (const auto& [s, t] : crossings) join(sheet_of_[s], sheet_of_[t]);
+    for (const auto& [s, t] : crossings) sets.unite(sheet_of_[s], sheet_of_[t]);
     std::vector<std::uint32_t> number(sheets_.size(), kNone);
     for (std::uint32_t s = 0; s < sheets_.size(); ++s) {
-      const std::uint32_t r = root(s);
+      const std::uint32_t r = sets.of(s);
       if (number[r] == kNone) {
         number[r] = static_cast<std::uint32_t>(groups_.size());
         groups_.emplace_back();

@@ -12,6 +12,7 @@
 
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
+#include "meshing/base/number_sets.h"
 #include "meshing/initial/clean_triangles.h"
 #include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/mending/close_openings.h"
@@ -236,23 +237,18 @@ class Resolution {
   }
 
   std::vector<std::uint32_t> patches(std::uint32_t& count) {
-    std::vector<std::uint32_t> parent(loose_.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto root = [&](std::uint32_t t) {
-      while (parent[t] != t) t = parent[t] = parent[parent[t]];
-      return t;
-    };
+    NumberSets sets(loose_.size());
     has_free_edge_.assign(loose_.size(), false);
     for_each_edge([&](std::span<const std::uint32_t> around) {
       if (around.size() == 1) has_free_edge_[around[0]] = true;
       if (around.size() != 2 || loose_.sheets[around[0]] != loose_.sheets[around[1]]) return true;
-      parent[std::max(root(around[0]), root(around[1]))] = std::min(root(around[0]), root(around[1]));
+      sets.unite(around[0], around[1]);
       return true;
     });
     std::vector<std::uint32_t> number(loose_.size(), TriangleCleaning::kUnused), patch(loose_.size());
     count = 0;
     for (std::uint32_t t = 0; t < loose_.size(); ++t) {
-      std::uint32_t& n = number[root(t)];
+      std::uint32_t& n = number[sets.of(t)];
       if (n == TriangleCleaning::kUnused) n = count++;
       patch[t] = n;
     }

@@ -692,6 +692,10 @@ class Layout {
   }
 
   MeshSize size() const { return {num_nodes_, num_tets_}; }
+  /// Behind the last element.
+  std::uint64_t end_of_elements() const {
+    return blocks_.empty() ? 0 : blocks_.back().position + blocks_.back().count * blocks_.back().row();
+  }
   /// Reads all tags; the counts alone allow others.
   bool are_tags_consecutive() const {
     return std::ranges::all_of(nodes_, [&](const NodeBlock& block) { return are_tags_consecutive(block); });
@@ -928,6 +932,7 @@ MeshContents read_gmsh(const std::filesystem::path& path, Coordinates wanted) {
 SolutionData gmsh_field_heads(const std::filesystem::path& path) {
   const InputFile file(path);
   Cursor in(file);
+  if (const auto layout = Layout::of(file)) in.seek(layout->end_of_elements());  // else all is passed over
   SolutionData heads;
   while (in.find("$NodeData")) {
     in.line();

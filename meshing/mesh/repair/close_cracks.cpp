@@ -2,35 +2,18 @@
 #include "meshing/mesh/repair/close_cracks.h"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 #include <tuple>
 #include <vector>
 
 #include "meshing/base/box.h"
+#include "meshing/base/number_sets.h"
 #include "meshing/mesh/predicates.h"
 #include "meshing/mesh/repair/open_faces.h"
 #include "meshing/mesh/repair/point_tree.h"
 
 namespace weft::meshing {
 namespace {
-
-/// Sets of numbers, each known by its smallest.
-class NumberSets {
- public:
-  explicit NumberSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t of(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::uint32_t i, std::uint32_t j) {
-    i = of(i), j = of(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 class Cracks {
  public:
