@@ -32,7 +32,7 @@ namespace {
 class FreedArraysGoBack {
  public:
   FreedArraysGoBack() {
-    if (running()++ == 0) set(1 << 20, 1 << 22);
+    if (running()++ == 0) set(1 << 23, 1 << 24);
   }
   ~FreedArraysGoBack() {
     if (--running() == 0) set(32 << 20, 64 << 20);
