@@ -14,9 +14,9 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr Seconds kPeriod(0.02);  ///< of looks at the clock and the caller's flag
+constexpr Seconds kPeriod(0.05);  ///< of looks at the clock and the caller's flag
 /// Some files are read to see what memory is left: seldom while there is plenty.
-constexpr Seconds kLeastPeriodOfMemory(0.005), kMostPeriodOfMemory(0.2);
+constexpr Seconds kLeastPeriodOfMemory(0.005), kMostPeriodOfMemory(0.5);
 /// The kernel goes on for a moment, then the mesh is measured and written.
 constexpr Seconds kToLeave(0.1);
 /// Where more is killed: arrays of the mesh that grow take up to so many times what it has, in one go.
