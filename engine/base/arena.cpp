@@ -3,9 +3,11 @@
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_scheduler_observer.h>
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -38,22 +40,45 @@ class ThreadBudget {
   std::unique_ptr<tbb::global_control> control_;
 };
 
+/// Passes on who comes and goes besides the threads that enter an arena by themselves.
+class Observer : public tbb::task_scheduler_observer {
+ public:
+  Observer(tbb::task_arena& arena, Arena::HelperMoves helper_moves)
+      : tbb::task_scheduler_observer(arena), helper_moves_(std::move(helper_moves)) {
+    if (helper_moves_) observe(true);
+  }
+  ~Observer() override { observe(false); }
+  void on_scheduler_entry(bool is_worker) override { tell(is_worker, true); }
+  void on_scheduler_exit(bool is_worker) override { tell(is_worker, false); }
+
+ private:
+  void tell(bool is_worker, bool enters) {
+    if (is_worker) helper_moves_(tbb::this_task_arena::current_thread_index(), enters);
+  }
+  const Arena::HelperMoves helper_moves_;
+};
+
 }  // namespace
 
 struct Arena::Implementation {
-  explicit Implementation(int threads) : arena(threads, /*reserved_for_masters=*/1), count(threads) {
+  Implementation(int threads, HelperMoves helper_moves)
+      : arena(threads, /*reserved_for_masters=*/1), count(threads) {
     ThreadBudget::change(count);
     arena.initialize();
+    observer.emplace(arena, std::move(helper_moves));
   }
   ~Implementation() {
+    observer.reset();
     arena.terminate();
     ThreadBudget::change(-count);
   }
   tbb::task_arena arena;
   int count;
+  std::optional<Observer> observer;
 };
 
-Arena::Arena(int threads) : implementation_(std::make_unique<Implementation>(threads)) {}
+Arena::Arena(int threads, HelperMoves helper_moves)
+    : implementation_(std::make_unique<Implementation>(threads, std::move(helper_moves))) {}
 Arena::~Arena() = default;
 
 void Arena::execute(Call run, const void* function) {

@@ -2,6 +2,7 @@
 // handlers.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 namespace weft::engine {
@@ -12,7 +13,10 @@ namespace weft::engine {
 /// TBB's headers out of the others.
 class Arena {
  public:
-  explicit Arena(int threads);
+  /// A thread of TBB's takes slot 0 to threads - 1, and leaves it. Called on that thread; must not throw.
+  using HelperMoves = std::function<void(int slot, bool enters)>;
+
+  explicit Arena(int threads, HelperMoves helper_moves = {});
   ~Arena();
 
   /// Runs `function` inside the arena, and returns when it is done.

@@ -75,7 +75,8 @@ class Runtime::Implementation final : private BalanceActions {
         transport_(transport),
         registry_(registry),
         exchange_(transport, options_.exchange, registry.fingerprint()),
-        trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
+        trace_(transport.rank(), transport.size(), options_.threads, options_.trace,
+               options_.threads > 1 && !transport.virtual_time() ? options_.threads : 0),
         balancer_(options_.balancer(transport.rank(), transport.size())),
         scheduler_(
             {transport.rank(), transport.size(), options_.threads, options_.local,
@@ -223,6 +224,7 @@ void Runtime::Implementation::run(std::function<bool()> done, std::function<void
   if (snapshots_) snapshots_->begin_run();
   scheduler_.start(std::move(root));
   loop();
+  scheduler_.end_run();
   transport_.end_phase();
   wall_ += now() - begin_time;
   for (auto [name, count] : transport_.calls()) {

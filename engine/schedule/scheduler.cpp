@@ -44,7 +44,11 @@ Scheduler::Scheduler(Options options, const Registry& registry, Exchange& exchan
       exchange_(exchange),
       trace_(trace),
       wake_(std::move(wake)),
-      arena_(options.virtual_time ? nullptr : std::make_unique<Arena>(options.threads)),
+      helpers_(trace),
+      arena_(options.virtual_time
+                 ? nullptr
+                 : std::make_unique<Arena>(options.threads,
+                                           [this](int slot, bool enters) { helpers_.moved(slot, enters); })),
       directory_(options.rank),
       costs_(registry.methods()) {
   root_.id = ObjectId{options_.rank, 0};
@@ -431,6 +435,7 @@ void Scheduler::receive_location(Payload payload) {
 // --- Working
 
 void Scheduler::start(std::function<void(Context&)> root) {
+  helpers_.begin_run();
   const Lock lock(mutex_);
   stopping_ = false;
   failure_.reset();

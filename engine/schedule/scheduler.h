@@ -19,6 +19,7 @@
 #include "engine/objects/directory.h"
 #include "engine/objects/registry.h"
 #include "engine/schedule/cost_model.h"
+#include "engine/schedule/helpers.h"
 #include "engine/schedule/load.h"
 #include "engine/schedule/snapshot.h"
 #include "engine/schedule/termination.h"
@@ -65,6 +66,8 @@ class Scheduler {
   // --- For the communication thread.
   /// Lets workers work, first at `root` if there is one.
   void start(std::function<void(Context&)> root);
+  /// The run is over: the trace can be read.
+  void end_run() { helpers_.end_run(); }
 
   void receive_task(Rank from, Payload payload, std::size_t wire_bytes);
   void receive_object(Rank from, Payload payload, std::size_t wire_bytes);
@@ -214,6 +217,7 @@ class Scheduler {
   Exchange& exchange_;
   Trace& trace_;
   const std::function<void()> wake_;
+  Helpers helpers_;
   std::unique_ptr<Arena> arena_;
 
   mutable std::mutex mutex_;

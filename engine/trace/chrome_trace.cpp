@@ -290,12 +290,14 @@ class Writer {
 RankTimeline timeline_of(const Trace& trace, std::vector<std::string> method_names,
                          std::int64_t clock_offset) {
   RankTimeline timeline{trace.rank(), clock_offset, std::move(method_names), {}};
-  for (const Lane& lane : trace.lanes()) {
-    const std::size_t place = timeline.lanes.size();
-    timeline.lanes.push_back({place == 0 ? "communication" : fmt::format("worker {}", place - 1),
-                              lane.spans().copy(), lane.departures().copy(),
+  const auto add = [&](std::string name, const Lane& lane) {
+    timeline.lanes.push_back({std::move(name), lane.spans().copy(), lane.departures().copy(),
                               lane.spans().dropped() + lane.departures().dropped()});
-  }
+  };
+  add("communication", trace.communication_lane());
+  for (int i = 0; i < trace.workers(); ++i) add(fmt::format("worker {}", i), trace.worker_lane(i));
+  for (int i = 0; i < trace.helpers(); ++i)  // most slots never have one
+    if (trace.helper_lane(i).spans().size() > 0) add(fmt::format("helper {}", i), trace.helper_lane(i));
   return timeline;
 }
 

@@ -31,6 +31,7 @@ TimeSummary& operator+=(TimeSummary& sum, const TimeSummary& more) {
   sum.compute += more.compute;
   sum.unpack += more.unpack;
   sum.copy += more.copy;
+  sum.help += more.help;
   sum.idle += more.idle;
   sum.pack += more.pack;
   sum.communication += more.communication;
@@ -57,7 +58,9 @@ TimeSummary times_of(const Trace& trace, const RunFacts& facts) {
     times.unpack += seconds(lane.time(Activity::unpack).total);
     times.copy += seconds(lane.time(Activity::pack).total);  // what workers pack are copies for snapshots
   }
-  times.idle = std::max(0.0, trace.workers() * facts.wall - times.compute - times.unpack - times.copy);
+  for (int i = 0; i < trace.helpers(); ++i)
+    times.help += seconds(trace.helper_lane(i).time(Activity::help).total);
+  times.idle = std::max(0.0, trace.workers() * facts.wall - times.computed() - times.unpack - times.copy);
   times.pack = seconds(trace.communication_lane().time(Activity::pack).total);
   times.communication = facts.communication;
   return times;
@@ -131,14 +134,14 @@ void add_methods(std::vector<MethodSummary>& sums, const std::vector<MethodSumma
 /// Of the ranks' mean compute seconds per worker, the largest over the mean of all workers: ranks with fewer
 /// workers ought to compute less.
 double load_imbalance_of(const RunSummary& run) {
-  return run.times.compute > 0 ? run.most_compute * run.workers / run.times.compute : 1;
+  return run.times.computed() > 0 ? run.most_compute * run.workers / run.times.computed() : 1;
 }
 
 double idle_share_of(const RunSummary& run) { return run.available > 0 ? run.times.idle / run.available : 0; }
 
 double balance_saving_of(const RunSummary& run) {
   if (run.workers == 0 || run.wall <= 0) return 0;
-  return std::max(0.0, 1 - run.times.compute / run.workers / run.wall);
+  return std::max(0.0, 1 - run.times.computed() / run.workers / run.wall);
 }
 
 /// An odd number for the messages from one rank to another.
@@ -201,6 +204,7 @@ void put(Json& json, const TimeSummary& times) {
   json["compute"] = times.compute;
   json["unpack"] = times.unpack;
   json["copy"] = times.copy;
+  json["help"] = times.help;
   json["idle"] = times.idle;
   json["pack"] = times.pack;
   json["communication"] = times.communication;
@@ -309,7 +313,7 @@ RunSummary run_of(RankSummary rank, bool keep_rank) {
   for (const auto& [name, value] : rank.counters) run.counters[name] = {value, value, value};
   run.peak_rss_sum = run.peak_rss_max = rank.peak_rss;
   run.dropped_spans = rank.dropped_spans;
-  run.most_compute = rank.times.compute / std::max(1, rank.workers);
+  run.most_compute = rank.times.computed() / std::max(1, rank.workers);
   run.available = rank.workers * rank.wall;
   run.on_the_way = on_the_way_of(rank);
   if (keep_rank) run.ranks.push_back(std::move(rank));

@@ -9,6 +9,8 @@
 //      "wall": 1.25,                      of the engine's loop
 //      "compute": 2.0, "unpack": 0.01,    of all workers
 //      "copy": 0.0,                       of all workers: copies of objects for snapshots
+//      "help": 0.0,                       of other threads, in the place of workers without a handler: at
+//                                         the parallel loops of handlers
 //      "idle": 0.49,                      of all workers: the rest of workers * wall
 //      "pack": 0.02,
 //      "communication": 0.1,              processor time of the communication thread, packing included
@@ -29,12 +31,11 @@
 //     {"schema": "weft-engine-1", "ranks": 4,   how many
 //      "workers": 8,                      of all ranks; so are the times but for "wall"
 //      "wall": 1.3,                       the longest
-//      "compute": 8.0, "unpack": 0.04, "copy": 0.0, "idle": 2.3, "pack": 0.08, "communication": 0.4,
-//      "load_imbalance": 1.2,             compute per worker: the most of any rank / mean; 1 is best
-//      "idle_share": 0.22,                idle / (workers * wall)
-//      "balance_saving": 0.23,            1 - (compute / workers) / wall
-//      "verdict": "perfect balance would save 23 % of 1.3 s",
-//      "methods": [...], "traffic": {...}, "network_calls": {...}, "collective_calls": 0,
+//      "compute": 8.0, "unpack": 0.04, "copy": 0.0, "help": 0.0, "idle": 2.3, "pack": 0.08, "communication":
+//      0.4, "load_imbalance": 1.2,             compute + help per worker: the most of any rank / mean; 1 is
+//      best "idle_share": 0.22,                idle / (workers * wall) "balance_saving": 0.23,            1 -
+//      ((compute + help) / workers) / wall "verdict": "perfect balance would save 23 % of 1.3 s", "methods":
+//      [...], "traffic": {...}, "network_calls": {...}, "collective_calls": 0,
 //                                         as of a rank, summed
 //      "counters": {"steals": {"sum": 7, "min": 0, "max": 3}},
 //      "peak_rss": {"sum": 419430400, "max": 125829120}, "dropped_spans": 0,
@@ -82,12 +83,15 @@ struct TimeSummary {
   double compute = 0;        ///< workers
   double unpack = 0;         ///< workers
   double copy = 0;           ///< workers, for snapshots
+  double help = 0;           ///< threads that take the places of workers without a handler
   double idle = 0;           ///< workers: what is left of workers * wall
   double pack = 0;           ///< communication thread
   double communication = 0;  ///< communication thread, processor time; includes pack
+  /// That handlers had, of workers and helpers.
+  double computed() const { return compute + help; }
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(compute, unpack, copy, idle, pack, communication);
+    archive(compute, unpack, copy, help, idle, pack, communication);
   }
 };
 
@@ -158,9 +162,9 @@ struct RunSummary {
   int workers = 0;
   double wall = 0;  ///< seconds, the longest of the ranks'
   TimeSummary times;
-  double load_imbalance = 1;  ///< most compute seconds per worker of any rank / mean of it
+  double load_imbalance = 1;  ///< most TimeSummary::computed() per worker of any rank / mean
   double idle_share = 0;      ///< 0 to 1
-  double balance_saving = 0;  ///< 0 to 1: share of `wall` above compute / workers
+  double balance_saving = 0;  ///< 0 to 1: share of `wall` above computed() / workers
   std::vector<MethodSummary> methods;
   TrafficSummary traffic{};
   std::map<std::string, long> network_calls;

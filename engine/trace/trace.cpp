@@ -24,7 +24,8 @@ typename Table::value_type entry(const Table& table, std::size_t place) {
 }  // namespace
 
 const char* name_of(Activity activity) {
-  static constexpr std::array<const char*, kActivities> kNames = {"compute", "unpack", "pack", "communicate"};
+  static constexpr std::array<const char*, kActivities> kNames = {"compute", "unpack", "pack", "communicate",
+                                                                  "help"};
   return kNames[static_cast<std::size_t>(activity)];
 }
 
@@ -78,10 +79,11 @@ std::uint32_t Lane::num_methods() const {
   return places == 0 ? 0 : static_cast<std::uint32_t>(places - 1);
 }
 
-Trace::Trace(Rank rank, int ranks, int workers, TraceOptions options)
-    : rank_(rank), ranks_(ranks), keeps_spans_(options.spans) {
-  lanes_.reserve(static_cast<std::size_t>(workers) + 1);
-  for (int i = 0; i <= workers; ++i) lanes_.emplace_back(ranks, options);
+Trace::Trace(Rank rank, int ranks, int workers, TraceOptions options, int helpers)
+    : rank_(rank), ranks_(ranks), workers_(workers), keeps_spans_(options.spans) {
+  const int lanes = 1 + workers + helpers;
+  lanes_.reserve(static_cast<std::size_t>(lanes));
+  for (int i = 0; i < lanes; ++i) lanes_.emplace_back(ranks, options);
 }
 
 }  // namespace weft::engine

@@ -32,8 +32,9 @@ enum class Activity : std::uint8_t {
   unpack,       ///< an object or a handler's arguments were read from a message (worker)
   pack,         ///< an object was written into a message (communication thread)
   communicate,  ///< the communication thread was awake
+  help,         ///< a thread of TBB's was there for the parallel loops of handlers (helper)
 };
-inline constexpr std::size_t kActivities = 4;
+inline constexpr std::size_t kActivities = 5;
 const char* name_of(Activity activity);
 
 /// What a message was for; counters are kept by it and by method.
@@ -136,8 +137,9 @@ struct TraceOptions {
   std::size_t max_spans_per_lane = std::size_t{1} << 20;
 };
 
-/// The record of one thread. Written by that thread only, without locks; read when the threads rest. What it
-/// writes shares no cache line with other lanes. Recording throws only std::bad_alloc.
+/// The record of one thread, or of a place that several take in turn. Written by one thread at a time,
+/// without locks; read when the threads rest. What it writes shares no cache line with other lanes. Recording
+/// throws only std::bad_alloc.
 class alignas(64) Lane {
  public:
   Lane(int ranks, TraceOptions options);
@@ -181,15 +183,17 @@ class alignas(64) Lane {
   BoundedLog<Departure> departures_;
 };
 
-/// The lanes of one rank: its communication thread's and one for each worker.
+/// The lanes of one rank: its communication thread's, one for each worker, and one for each slot of the arena
+/// that a helper may take.
 class Trace {
  public:
-  /// `ranks`: of the run. `workers` >= 0.
-  Trace(Rank rank, int ranks, int workers, TraceOptions options = {});
+  /// `ranks`: of the run. `workers`, `helpers` >= 0.
+  Trace(Rank rank, int ranks, int workers, TraceOptions options = {}, int helpers = 0);
 
   Rank rank() const { return rank_; }
   int ranks() const { return ranks_; }
-  int workers() const { return static_cast<int>(lanes_.size()) - 1; }
+  int workers() const { return workers_; }
+  int helpers() const { return static_cast<int>(lanes_.size()) - 1 - workers_; }
   /// False: departures and causes need not be worked out.
   bool keeps_spans() const { return keeps_spans_; }
 
@@ -200,12 +204,16 @@ class Trace {
   /// `index`: 0 to workers() - 1.
   Lane& worker_lane(int index) { return lanes_[static_cast<std::size_t>(index) + 1]; }
   const Lane& worker_lane(int index) const { return lanes_[static_cast<std::size_t>(index) + 1]; }
-  /// The communication thread's, then the workers'.
+  /// `slot`: 0 to helpers() - 1.
+  Lane& helper_lane(int slot) { return lanes_[static_cast<std::size_t>(workers_ + slot) + 1]; }
+  const Lane& helper_lane(int slot) const { return lanes_[static_cast<std::size_t>(workers_ + slot) + 1]; }
+  /// The communication thread's, then the workers', then the helpers'.
   std::span<const Lane> lanes() const { return lanes_; }
 
  private:
   Rank rank_;
   int ranks_;
+  int workers_;
   bool keeps_spans_;
   std::vector<Lane> lanes_;
 };

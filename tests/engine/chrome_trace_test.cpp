@@ -295,5 +295,15 @@ TEST(RankTimeline, TakesATraceThroughAPayload) {
   EXPECT_EQ(copy.lanes[2].dropped, 1u);
 }
 
+TEST(RankTimeline, HasLanesOfHelpersWhereThereWereAny) {
+  Trace trace(Rank(0), 1, 1, {.spans = true}, 3);
+  trace.helper_lane(2).span({4, 9, ObjectId{}, Span::kNoName, Activity::help, 0});
+  const RankTimeline timeline = timeline_of(trace, {}, 0);
+  ASSERT_EQ(timeline.lanes.size(), 3u);
+  EXPECT_EQ(timeline.lanes[1].name, "worker 0");
+  EXPECT_EQ(timeline.lanes[2].name, "helper 2");
+  EXPECT_NE(written({timeline}).find(R"("name":"help","cat":"help")"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace weft::engine::chrome_trace_test

@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <mutex>
 #include <numeric>
+#include <set>
 #include <thread>
 
 #include "tests/support/ranks.h"
@@ -388,6 +392,48 @@ TEST(Runtime, LetsAHandlerWorkInParallelAndSendFromAllItsThreads) {
     runtime.run(
         [](Context& context) { context.invoke<&Exclusive::work_in_parallel>(context.create<Exclusive>()); });
     runtime.visit<Exclusive>([&](MobilePtr<Exclusive>, Exclusive& object) { EXPECT_EQ(object.calls, 10); });
+  });
+}
+
+/// Its loop lasts until two threads are at it.
+struct Sociable {
+  void work(Context&) {
+    std::mutex mutex;
+    std::set<std::thread::id> seen;
+    const auto company = [&] {
+      const std::lock_guard lock(mutex);
+      seen.insert(std::this_thread::get_id());
+      return seen.size() > 1;
+    };
+    const auto begin = std::chrono::steady_clock::now();
+    tbb::parallel_for(0, 64, [&](int) {
+      while (!company() && std::chrono::steady_clock::now() - begin < std::chrono::seconds(20))
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    });
+    EXPECT_GT(seen.size(), 1u);
+  }
+};
+
+TEST(Runtime, AccountsForThreadsThatHelp) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  on_ranks(1, [](Transport& transport) {
+    Registry registry;
+    registry.type<Sociable>("Sociable").method<&Sociable::work>("work");
+    for (const int threads : {1, 3}) {
+      Runtime runtime(transport, registry, {.threads = threads, .trace = {.spans = true}});
+      if (threads > 1)
+        for (int run = 0; run < 2; ++run)
+          runtime.run([](Context& context) { context.invoke<&Sociable::work>(context.create<Sociable>()); });
+      const RankSummary summary = runtime.summary();
+      const TimeSummary& times = summary.times;
+      EXPECT_EQ(times.help > 0, threads > 1);
+      EXPECT_LE(times.computed() + times.idle, summary.workers * summary.wall * 1.02 + 0.01);
+      const auto lanes = runtime.timeline().lanes;
+      const bool has_helper = std::ranges::any_of(
+          lanes, [](const LaneTimeline& lane) { return lane.name.starts_with("helper"); });
+      EXPECT_EQ(has_helper, threads > 1);
+    }
   });
 }
 

@@ -59,6 +59,20 @@ TEST(RankSummary, WorkersAreIdleWhenTheyNeitherComputeNorUnpackNorCopy) {
   EXPECT_EQ(summary.worker_compute, (std::vector<double>{3, 2}));
 }
 
+TEST(RankSummary, HelpersTakeOffIdleTime) {
+  Trace trace(Rank(0), 1, 2, {}, 2);
+  trace.worker_lane(0).span(span_of(Activity::compute, 0, 8));
+  trace.helper_lane(0).span(span_of(Activity::help, Span::kNoName, 3));
+  trace.helper_lane(1).span(span_of(Activity::help, Span::kNoName, 2));
+  const RankSummary summary = summarize(trace, facts_of(10));
+  EXPECT_EQ(summary.workers, 2);
+  EXPECT_DOUBLE_EQ(summary.times.compute, 8);
+  EXPECT_DOUBLE_EQ(summary.times.help, 5);
+  EXPECT_DOUBLE_EQ(summary.times.idle, 2 * 10 - 8 - 5);
+  EXPECT_EQ(summary.worker_compute, (std::vector<double>{8, 0}));
+  EXPECT_DOUBLE_EQ(merge({summary}).balance_saving, 1 - 13. / 2 / 10);
+}
+
 TEST(RankSummary, IdleTimeIsNeverNegative) {
   Trace trace(Rank(0), 1, 1);
   trace.worker_lane(0).span(span_of(Activity::compute, 0, 3));
@@ -187,8 +201,8 @@ TEST(RunSummary, ItsJsonHasWhatTheHeaderSays) {
   EXPECT_EQ(json["schema"], "weft-engine-1");
   EXPECT_EQ(json["ranks"], 2);
   for (const char* field :
-       {"workers", "wall", "compute", "unpack", "copy", "idle", "pack", "communication", "load_imbalance",
-        "idle_share", "balance_saving", "collective_calls", "dropped_spans"}) {
+       {"workers", "wall", "compute", "unpack", "copy", "help", "idle", "pack", "communication",
+        "load_imbalance", "idle_share", "balance_saving", "collective_calls", "dropped_spans"}) {
     EXPECT_TRUE(json[field].is_number()) << field;
   }
   EXPECT_EQ(json["methods"][0]["name"], "Part::refine");

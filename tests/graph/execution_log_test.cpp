@@ -86,7 +86,8 @@ void expect_bytes_to_agree(const ExecutionLog& log, const GameRules& rules) {
     const NodeKind kind = game().nodes.at(run.node).kind;
     const auto [count, bytes] = count_and_bytes[{run.instance, run.node, run.round}];
     EXPECT_EQ(run.bytes_received, bytes);
-    // A thread gets no more of a processor than all of it, up to a tick of the clock by which the kernel counts.
+    // A thread gets no more of a processor than all of it, up to a tick of the clock by which the kernel
+    // counts.
     EXPECT_LE(log.counter(run, kProcessorSeconds), 1e-9 * static_cast<double>(run.end - run.begin) + 4e-3);
     // On a virtual machine the kernel takes time that others had off it, at times all of a short run.
     EXPECT_GE(log.counter(run, kProcessorSeconds), 0);

@@ -16,7 +16,7 @@ SUBDOMAIN_KEYS = {
 }
 OPERATIONS = {
     "interior adaptation", "MII adaptation", "interface refinement", "colouring and quality check", "gather", "scatter",
-    "topology update", "conversion", "misc", "idle", "communication",
+    "topology update", "conversion", "misc", "help", "idle", "communication",
 }
 
 

@@ -47,6 +47,7 @@ OperationSeconds seconds_of_rank(const engine::RankSummary& summary,
   }
   seconds[kConversion] += summary.times.unpack + summary.times.copy;
   seconds[kMisc] += std::max(0.0, summary.times.compute - in_nodes);
+  seconds[kHelp] += summary.times.help;
   seconds[kIdle] += summary.times.idle;
   return seconds;
 }

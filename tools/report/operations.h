@@ -14,7 +14,7 @@
 namespace weft::report {
 
 /// In the order in which they are stacked.
-inline constexpr std::array<std::string_view, 10> kOperations = {"interior adaptation",
+inline constexpr std::array<std::string_view, 11> kOperations = {"interior adaptation",
                                                                  "MII adaptation",
                                                                  "interface refinement",
                                                                  "colouring and quality check",
@@ -23,11 +23,12 @@ inline constexpr std::array<std::string_view, 10> kOperations = {"interior adapt
                                                                  "topology update",
                                                                  "conversion",
                                                                  "misc",
+                                                                 "help",
                                                                  "idle"};
 using OperationIndex = std::size_t;
 inline constexpr OperationIndex kInteriorAdaptation = 0, kShiftedAdaptation = 1, kInterfaceRefinement = 2;
 inline constexpr OperationIndex kChecks = 3;
-inline constexpr OperationIndex kConversion = 7, kMisc = 8, kIdle = 9;
+inline constexpr OperationIndex kConversion = 7, kMisc = 8, kHelp = 9, kIdle = 10;
 
 /// Seconds of workers by operation.
 using OperationSeconds = std::array<double, kOperations.size()>;
@@ -52,8 +53,8 @@ void add_seconds(std::string_view node, double took, const BesideSeconds& beside
 BesideSeconds beside_seconds(const graph::dataflow::GraphDump& graph, const graph::dataflow::DumpedRun& run);
 
 /// The seconds of one rank's workers: they add up to workers * wall, but for the rounding. Nodes from the
-/// graph, conversion and idle from the engine, misc what handlers did beside nodes. Without runs all that
-/// handlers did is misc.
+/// graph, conversion, help and idle from the engine, misc what handlers did beside nodes. Without runs all
+/// that handlers did is misc.
 OperationSeconds seconds_of_rank(const engine::RankSummary& summary, const graph::dataflow::GraphDump& graph);
 
 }  // namespace weft::report

@@ -102,9 +102,10 @@ std::vector<OperationTime> named(const std::vector<double>& seconds) {
   return result;
 }
 
+/// The loops at which threads help are nearly all of adaptation's.
 bool is_adaptation(const std::string& operation) {
   return operation == "interior adaptation" || operation == "MII adaptation" ||
-         operation == "interface refinement";
+         operation == "interface refinement" || operation == "help";
 }
 
 }  // namespace
@@ -120,6 +121,7 @@ RankStats seconds_of_rank(partition::Peers& peers, const graph::dataflow::Execut
     seconds[std::string(report::kOperations[o])] = here[o];
   seconds["conversion"] = summary.times.unpack + summary.times.copy + summary.times.pack;
   seconds["misc"] = std::max(0.0, summary.times.compute - here.back());
+  seconds["help"] = summary.times.help;
   seconds["idle"] = summary.times.idle;
   seconds["communication"] = std::max(0.0, summary.times.communication - summary.times.pack);
   return {summary.rank.value, in_order(seconds)};
