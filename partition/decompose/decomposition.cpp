@@ -27,10 +27,10 @@ std::string advice_on(const WorthwhileSlabs& worthwhile, const Slabs& asked) {
   const Slabs& s = worthwhile.slabs;
   return fmt::format(
       "{}x{}x{} slabs have about {:.0f} % of the vertices in interfaces, which are adapted twice; as many "
-      "subdomains by the graph partitioner have about {:.0f} %, {}x{}x{} slabs at most {:.0f} % (`:fewer` "
+      "subdomains by the graph partitioner have about {:.0f} %, {}x{}x{} slabs about {:.0f} % (`:fewer` "
       "after the slabs makes these)",
       asked[0], asked[1], asked[2], 100 * worthwhile.share_asked, 100 * worthwhile.share_cubes, s[0], s[1],
-      s[2], 100 * kMostShared);
+      s[2], 100 * worthwhile.share_left);
 }
 
 Decomposition pqr(Peers& peers, const WeightedItems& weighted, const Items& items,
@@ -48,11 +48,12 @@ Decomposition pqr(Peers& peers, const WeightedItems& weighted, const Items& item
   // Bricks are spread over the numbers of subdomains, as subdomains are over the ranks.
   for (std::uint32_t& brick : bricks.numbers)
     brick = static_cast<std::uint32_t>(std::uint64_t{brick} * num_subdomains / bricks_left);
-  return {as_subdomains(bricks),
-          fmt::format("{0} of {1} subdomains stay empty: {2}x{3}x{4} slabs would have more than {5:.0f} % of "
-                      "the vertices in interfaces, {6}x{7}x{8} are enough",
-                      num_subdomains - bricks_left, num_subdomains, asked[0], asked[1], asked[2],
-                      100 * kMostShared, left[0], left[1], left[2])};
+  return {
+      as_subdomains(bricks),
+      fmt::format("{} of {} subdomains stay empty: {}x{}x{} slabs would have about {:.0f} % of the vertices "
+                  "in interfaces, {}x{}x{} have about {:.0f} %",
+                  num_subdomains - bricks_left, num_subdomains, asked[0], asked[1], asked[2],
+                  100 * worthwhile.share_asked, left[0], left[1], left[2], 100 * worthwhile.share_left)};
 }
 
 }  // namespace

@@ -107,6 +107,12 @@ double on_cuts(const Cuts& cuts, std::uint32_t to) {
   return sum;
 }
 
+double on_all_cuts(const std::array<Cuts, 3>& cuts, const Slabs& to) {
+  double sum = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) sum += on_cuts(cuts[axis], to[axis]);
+  return sum;
+}
+
 Slabs fewer_slabs(const std::array<Cuts, 3>& cuts, Slabs slabs, double most, std::uint32_t fewest) {
   for (;;) {
     double all = 0, greatest = 0;
@@ -137,12 +143,11 @@ WorthwhileSlabs worthwhile_slabs(Peers& peers, const ItemFaces& faces, std::span
   const double all = meshing::kVerticesPerComplexity * ordered_sum(peers, complexities);
   if (!(all > 0)) return {bricks.slabs};
   const std::array<Cuts, 3> cuts = measure_cuts(peers, faces, bricks);
-  double shared = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) shared += on_cuts(cuts[axis], bricks.slabs[axis]);
+  const Slabs left = fewer_slabs(cuts, bricks.slabs, kMostShared * all, fewest);
   // A cube of n vertices has n^(2/3) on each of six sides, each shared by two.
   const double cubes = 3 * std::cbrt(static_cast<double>(subdomains) / all);
-  return {fewer_slabs(cuts, bricks.slabs, kMostShared * all, fewest), std::min(shared / all, 1.0),
-          std::min(cubes, 1.0)};
+  return {left, std::min(on_all_cuts(cuts, bricks.slabs) / all, 1.0),
+          std::min(on_all_cuts(cuts, left) / all, 1.0), std::min(cubes, 1.0)};
 }
 
 }  // namespace weft::partition

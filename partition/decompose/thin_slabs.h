@@ -21,6 +21,7 @@ namespace weft::partition {
 struct WorthwhileSlabs {
   Slabs slabs;
   double share_asked = 0;  ///< of all vertices in the interfaces of the bricks as they are; 0: not known
+  double share_left = 0;   ///< in those of `slabs`: more than kMostShared where fewest_slabs is the limit
   double share_cubes =
       0;  ///< in those of as many subdomains that are cubes in the metric, as a graph's nearly are
 };

@@ -47,8 +47,8 @@ Scene scene_of(std::uint32_t cells, const Slabs& slabs, double size, unsigned se
   return scene;
 }
 
-Slabs worthwhile_on(int ranks, const Scene& scene) {
-  Slabs result{};
+WorthwhileSlabs found_on(int ranks, const Scene& scene) {
+  WorthwhileSlabs result;
   support::run_ranks(ranks, [&](Peers& peers) {
     Scene part{{}, {}, {}, {scene.bricks.slabs, {}}};
     for (std::size_t i = 0; i < scene.vertices.size(); ++i) {
@@ -58,12 +58,14 @@ Slabs worthwhile_on(int ranks, const Scene& scene) {
       part.complexities.push_back(scene.complexities[i]);
       part.bricks.numbers.push_back(scene.bricks.numbers[i]);
     }
-    const Slabs found =
-        worthwhile_slabs(peers, {part.vertices, part.areas}, part.complexities, part.bricks).slabs;
+    const WorthwhileSlabs found =
+        worthwhile_slabs(peers, {part.vertices, part.areas}, part.complexities, part.bricks);
     if (peers.rank() == 0) result = found;
   });
   return result;
 }
+
+Slabs worthwhile_on(int ranks, const Scene& scene) { return found_on(ranks, scene).slabs; }
 
 /// The slab of a brick along an axis.
 std::uint32_t slab_of(std::uint32_t s, const Slabs& slabs, int axis) {
@@ -117,6 +119,17 @@ TEST(ThinSlabs, AreAsManyAsShareLittle) {
 TEST(ThinSlabs, AreNoFewerThanCubesNeed) {
   EXPECT_THAT(worthwhile_on(2, scene_of(12, {48, 1, 1}, 0.05, 2)), ElementsAre(8, 1, 1));
   EXPECT_THAT(worthwhile_on(2, scene_of(12, {1, 1, 300}, 0.05, 2)), ElementsAre(1, 1, fewest_slabs(300)));
+}
+
+TEST(ThinSlabs, SayWhatTheyShareAlsoWhereItIsMoreThanWanted) {
+  for (const double size : {0.009, 0.02, 0.05}) {
+    SCOPED_TRACE(size);
+    const Scene scene = scene_of(12, {48, 1, 1}, size, 2);
+    const WorthwhileSlabs found = found_on(2, scene);
+    EXPECT_NEAR(found.share_asked, std::min(shared(scene, scene.bricks.slabs), 1.0), 1e-3);
+    EXPECT_NEAR(found.share_left, shared(scene, found.slabs), 1e-3);
+    EXPECT_EQ(found.share_left > kMostShared, size > 0.01);
+  }
 }
 
 TEST(ThinSlabs, StayWhereTheyAreThick) {
