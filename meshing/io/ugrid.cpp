@@ -574,11 +574,14 @@ std::unique_ptr<TextPart> open_ugrid_text_part(const WholeMesh&, const MeshPart&
   return std::make_unique<UgridTextPart>(part);
 }
 
+bool has_mapbc_for(const fs::path& from, const fs::path& to) {
+  return from.extension() == ".ugrid" && to.extension() == ".ugrid" && fs::exists(mapbc_beside(from));
+}
+
 void copy_mapbc(const fs::path& from, const fs::path& to) {
-  if (from.extension() != ".ugrid" || to.extension() != ".ugrid") return;
-  const fs::path source = mapbc_beside(from), target = mapbc_beside(to);
-  if (!fs::exists(source) || fs::exists(target)) return;
-  const FileBytes bytes(source);
+  const fs::path target = mapbc_beside(to);
+  if (!has_mapbc_for(from, to) || fs::exists(target)) return;
+  const FileBytes bytes(mapbc_beside(from));
   AtomicFile file(target);
   file.write(bytes.bytes());
   file.commit();

@@ -52,8 +52,9 @@ std::unique_ptr<PartWriter> open_ugrid_part(PartTarget target, const WholeMesh& 
 std::vector<std::string> ugrid_heads(const WholeMesh& whole);
 std::unique_ptr<TextPart> open_ugrid_text_part(const WholeMesh& whole, const MeshPart& part);
 
-/// Gives `to`, a mesh with the boundaries of `from`, the .mapbc that lies beside `from`: names and boundary
-/// conditions. Does nothing where either is no UGRID file, `from` has none, or `to` has one already.
+/// Whether both are UGRID files and a .mapbc lies beside `from`: names and boundary conditions.
+bool has_mapbc_for(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Gives `to`, a mesh with the boundaries of `from`, that .mapbc, where it has none yet.
 void copy_mapbc(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace weft::meshing

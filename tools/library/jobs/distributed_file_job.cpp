@@ -140,9 +140,10 @@ class DistributedFileJob {
     account_.surface_limit = input.surface_limit;
     account_.mends = input.mends;
     names_ = std::move(input.names);
-    std::ranges::move(loss_warnings(account_.outputs.mesh, counts_of_slices(run_.peers(), input.slice),
-                                    names_, !options_.geometry.model.empty()),
-                      std::back_inserter(account_.warnings));
+    std::ranges::move(
+        loss_warnings(account_.outputs.mesh, files_.input, counts_of_slices(run_.peers(), input.slice),
+                      names_, !options_.geometry.model.empty()),
+        std::back_inserter(account_.warnings));
     warn_of_left_fields();
     account_.input_counts = {input.slice.num_points, input.slice.num_tets, input.slice.num_triangles,
                              input.slice.num_edges};

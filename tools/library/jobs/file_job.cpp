@@ -95,7 +95,7 @@ class FileJob {
       result_.warnings.push_back(std::move(other));
     result_.times.read = read_seconds_;
     result_.mends = std::move(mends_);
-    std::ranges::move(loss_warnings(run_.outputs.mesh, meshing::counts_of(input_), names_,
+    std::ranges::move(loss_warnings(run_.outputs.mesh, files_.input, meshing::counts_of(input_), names_,
                                     !options_.geometry.model.empty()),
                       std::back_inserter(result_.warnings));
     std::ranges::move(left_fields_, std::back_inserter(result_.warnings));

@@ -13,6 +13,7 @@
 #include "meshing/base/error.h"
 #include "meshing/io/files/atomic_file.h"
 #include "meshing/io/mesh_file.h"
+#include "meshing/io/ugrid.h"
 #include "tools/common/text.h"
 
 namespace weft::tools {
@@ -119,15 +120,18 @@ void write_mesh_and_fields(const std::string& path, const meshing::MeshData& mes
   if (beside) beside->commit();
 }
 
-std::vector<std::string> loss_warnings(const std::string& mesh, meshing::ContentCounts input,
-                                       const meshing::RefNames& names, bool on_model) {
+std::vector<std::string> loss_warnings(const std::string& mesh, const std::string& from,
+                                       meshing::ContentCounts input, const meshing::RefNames& names,
+                                       bool on_model) {
   std::vector<std::string> warnings;
   if (!on_model && input.on_model > 0)
     warnings.push_back(fmt::format(
         "the input's {} records of vertices on a CAD model are not kept: --geometry makes them anew",
         grouped(input.on_model)));
   if (!on_model) input.on_model = input.models = 0;
-  for (const Dropped& lost : meshing::lost_in(mesh, input, {}, names))
+  const meshing::RefNames none;
+  const meshing::RefNames& in_the_mesh = meshing::has_mapbc_for(from, mesh) ? none : names;
+  for (const Dropped& lost : meshing::lost_in(mesh, input, {}, in_the_mesh))
     warnings.push_back(fmt::format("{} does not keep the input's {}{}", mesh,
                                    lost.count > 0 ? grouped(lost.count) + " " : "", lost.what));
   return warnings;

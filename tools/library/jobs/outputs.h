@@ -33,10 +33,11 @@ void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData&
 void write_mesh_and_fields(const std::string& path, const meshing::MeshData& mesh,
                            const meshing::SolutionData& fields, const meshing::RefNames& names);
 
-/// Warnings of what the file will not keep of the input's content. Where its vertices' records on a CAD model
-/// are not made anew (`on_model`), of these too.
-std::vector<std::string> loss_warnings(const std::string& mesh, meshing::ContentCounts input,
-                                       const meshing::RefNames& names, bool on_model);
+/// Warnings of what the file will not keep of the content of the file `from`. Where its vertices' records on
+/// a CAD model are not made anew (`on_model`), of these too.
+std::vector<std::string> loss_warnings(const std::string& mesh, const std::string& from,
+                                       meshing::ContentCounts input, const meshing::RefNames& names,
+                                       bool on_model);
 
 /// Writes beside, then renames.
 void write_text(const std::string& path, const std::string& text);
