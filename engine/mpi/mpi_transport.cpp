@@ -381,11 +381,11 @@ class MpiTransport::Impl {
   std::optional<Rank> dead() const { return node_.dead(); }
   bool watches(Rank rank) const { return node_.watches(rank); }
   const std::vector<LeaveNotice>& notices() const { return notices_; }
-  void leave(std::uint32_t ended_phase, const std::string& why) noexcept {
+  void leave(std::uint64_t ended_phase, const std::string& why) noexcept {
     depart(kLeaveTag, ended_phase, why);
   }
   void close();
-  void abandon(std::uint32_t ended_phase) noexcept;
+  void abandon(std::uint64_t ended_phase) noexcept;
   bool abandoned() const { return state_ == State::kAbandoned; }
   bool owns_mpi() const { return mpi_ == Mpi::own; }
 
@@ -418,7 +418,7 @@ class MpiTransport::Impl {
   void post(HeadReceive& slot);
 
   void check_usable() const;
-  void depart(int tag, std::uint32_t ended_phase, const std::string& why) noexcept;
+  void depart(int tag, std::uint64_t ended_phase, const std::string& why) noexcept;
   template <class Step>
   void or_break(const char* what, Rank peer, const Step& step);
   void send_lone_head(Rank to, int tag, Packet packet);
@@ -575,7 +575,7 @@ void MpiTransport::Impl::send_lone_head(Rank to, int tag, Packet packet) {
 }
 
 /// Best effort: a rank that cannot be told finds out in another way, or never.
-void MpiTransport::Impl::depart(int tag, std::uint32_t ended_phase, const std::string& why) noexcept {
+void MpiTransport::Impl::depart(int tag, std::uint64_t ended_phase, const std::string& why) noexcept {
   if (state_ == State::kClosed || state_ == State::kAbandoned) return;
   try {
     for (int r = 0; r < size(); ++r) {
@@ -870,7 +870,7 @@ void MpiTransport::Impl::cancel_heads() {
   }
 }
 
-void MpiTransport::Impl::abandon(std::uint32_t ended_phase) noexcept {
+void MpiTransport::Impl::abandon(std::uint64_t ended_phase) noexcept {
   if (state_ == State::kClosed || state_ == State::kAbandoned) return;
   if (mpi_ == Mpi::own) MPI_Abort(MPI_COMM_WORLD, 2);
   depart(kAbandonTag, ended_phase, "has abandoned the network");

@@ -11,15 +11,17 @@
 namespace weft::engine {
 namespace {
 
+/// What all frames of a packet are.
+enum Verdicts : std::uint32_t { kNoVerdicts, kOfARun, kOfTheNetwork };
+
 /// First bytes of every packet.
 struct PacketHeader {
   std::uint64_t program;
   double load;
   std::uint64_t credit;  ///< counted bytes that the sender of this packet has consumed
-  std::uint32_t phase;
-  std::uint16_t frames;
-  std::uint8_t verdicts;  ///< a Verdicts
-  std::uint8_t leaving;   ///< 1: ranks leave the phase one by one
+  std::uint64_t phase;
+  std::uint32_t frames;
+  Verdicts verdicts;
 };
 
 /// First bytes of every frame; `bytes` follow here, or are the first of its segments when they are too many.
@@ -41,13 +43,13 @@ std::size_t window_of(const ExchangeOptions& options, int ranks) {
   return std::max(std::min(options.window_bytes, options.inbox_bytes / peers), kLeastWindow);
 }
 
-/// What all frames of a packet are.
-enum Verdicts : std::uint8_t { kNoVerdicts, kOfARun, kOfTheNetwork };
-
 Verdicts verdicts_of(FrameKind kind) {
   if (kind == FrameKind::broken) return kOfTheNetwork;
   return kind == FrameKind::stop || kind == FrameKind::failure ? kOfARun : kNoVerdicts;
 }
+
+/// Heard by who has left the run, too, and waits for who has not.
+bool tells_of_life(FrameKind kind) { return kind == FrameKind::heartbeat || kind == FrameKind::leaving; }
 
 bool is_counted(FrameKind kind) { return kind == FrameKind::task || kind == FrameKind::object; }
 
@@ -123,19 +125,16 @@ void Exchange::consumed(Rank from, std::size_t wire_bytes) {
   }
 }
 
-void Exchange::begin_phase(bool leaving) {
-  phase_ = transport_.next_phase();
-  leaving_ = leaving;
-  if (first_phase_ == 0) first_phase_ = phase_;
+void Exchange::begin_phase() {
+  phase_ = first_phase_ == 0 ? first_phase_ = transport_.first_phase() : transport_.next_phase();
+  failed_phase_ = 0;
+  hears_later_failures_ = later_phase_failed_ = false;
   look_at_kept_ = true;
   const std::lock_guard lock(mutex_);
   released_ = false;
 }
 
-/// Those who had left it are one ahead.
-void Exchange::end_failed_phase() {
-  if (failed_phase_ == 0) transport_.next_phase();
-}
+void Exchange::hear_later_failures() { hears_later_failures_ = look_at_kept_ = true; }
 
 bool Exchange::idle() {
   take_posted();
@@ -152,8 +151,15 @@ bool Exchange::urgent_idle() {
 bool Exchange::progress(const Receive& receive) {
   bool busy = false;
   if (std::exchange(look_at_kept_, false)) {
-    for (KeptPacket& packet : transport_.take_kept()) {
-      unpack(packet.from, packet.head, std::move(packet.segments), receive);
+    std::vector<KeptPacket> packets = transport_.take_kept();
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+      try {
+        unpack(packets[i].from, packets[i].head, std::move(packets[i].segments), receive);
+      } catch (...) {  // those behind it are looked at the next time
+        look_at_kept_ = true;
+        while (++i < packets.size()) transport_.keep(std::move(packets[i]));
+        throw;
+      }
       busy = true;
     }
   }
@@ -222,7 +228,7 @@ bool Exchange::flush(Rank to, Peer& peer) {
 
 void Exchange::send_packet(Rank to, Peer& peer, std::uint64_t credit) {
   Packet packet;
-  PacketHeader header{program_, load_, credit, phase_, 0, 0, leaving_};
+  PacketHeader header{program_, load_, credit, phase_, 0, kNoVerdicts};
   packet.head.reserve(256);
   append_plain(packet.head, header);
   std::size_t sent_bytes = 0;
@@ -234,7 +240,7 @@ void Exchange::send_packet(Rank to, Peer& peer, std::uint64_t credit) {
     const Verdicts verdicts = verdicts_of(queue.front().kind);
     if (header.frames > 0 && verdicts != header.verdicts) break;
     header.verdicts = verdicts;
-    if (verdicts != kNoVerdicts && failed_phase_ > 0) header.phase = failed_phase_, header.leaving = 1;
+    if (verdicts != kNoVerdicts && failed_phase_ > 0) header.phase = failed_phase_;
     if (is_counted(queue.front().kind)) {
       peer.under_way += queue.front().wire_bytes;
       sent_bytes += queue.front().wire_bytes;
@@ -273,11 +279,15 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
   const std::span<const std::byte> whole = head;
   const auto header = take_plain<PacketHeader>(head);
   if (header.phase < first_phase_) return;  // of an engine that is no more
-  const bool at_once = header.verdicts == kOfTheNetwork;
+  const bool of_a_run = header.verdicts == kOfARun;
+  const bool early = of_a_run && hears_later_failures_ && header.phase > phase_ &&
+                     header.phase < first_phase_ + Transport::kPhasesOfAUser;
+  const bool at_once = header.verdicts == kOfTheNetwork || early;
   if (header.phase > phase_ && !at_once)
     return transport_.keep({from, {whole.begin(), whole.end()}, std::move(segments)});
-  const bool late = header.verdicts == kOfARun && header.leaving && header.phase < phase_;
-  if (late) failed_phase_ = header.phase;
+  later_phase_failed_ |= early;
+  const bool late = of_a_run && header.phase < phase_;
+  if (late && (failed_phase_ == 0 || header.phase < failed_phase_)) failed_phase_ = header.phase;
   const bool heard = header.phase == phase_ || at_once || late;
   Peer& peer = peer_of(from);
   if (from != transport_.rank()) loads_.set(from, header.load);
@@ -311,7 +321,8 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
     for (std::uint32_t s = 0; s < frame_header.segments; ++s)
       frame.payload.segments.push_back(take_segment());
     frame.wire_bytes = frame.payload.size() + sizeof(FrameHeader);
-    if (!heard || (!same_program && is_counted(frame.kind))) continue;
+    if (!heard && !tells_of_life(frame.kind)) continue;
+    if (!same_program && is_counted(frame.kind)) continue;
     try {
       deliver(from, std::move(frame), receive);
     } catch (...) {  // the frames behind it are no worse for it: one may be the stop that all wait for

@@ -33,8 +33,8 @@ enum class FrameKind : std::uint8_t {
   broken,     ///< the same of a run in which the network fails or a rank dies: no other can follow
   failure,    ///< to rank 0: this rank has failed
   waits,      ///< to rank 0: who waits here for whom
-  heartbeat,  ///< this rank lives
-  leaving,    ///< and is to be heard no more in this run, which others have not left
+  heartbeat,  ///< to the next rank: this rank lives, and is in this run
+  leaving,    ///< to the next rank: and is in it no more
   bulletin,   ///< to rank 0: how far this rank is
   notice,     ///< RuntimeOptions::notice has been set
   snapshot,   ///< of RuntimeOptions::snapshots
@@ -80,12 +80,15 @@ class Exchange {
   /// The rest is for the communication thread only.
 
   /// Starts the next run of the engine's loop: frames of earlier runs are dropped, of later ones kept until
-  /// then. `leaving`: ranks leave it one by one, before it is over for all. A failure in it is heard by those
-  /// who have left, and what they tell of it by those who are in it.
-  void begin_phase(bool leaving = false);
+  /// then. Ranks leave a run one by one, before it is over for all: a failure in it is heard by those who
+  /// have left, and what they tell of it by those who are in it; and whether a rank lives.
+  void begin_phase();
 
-  /// After a phase has failed: all ranks are in the same one again, for whoever uses the network next.
-  void end_failed_phase();
+  /// This rank has failed and will not come to a later run: it hears at once how one has failed there, for
+  /// who has decided that is in no run any more.
+  void hear_later_failures();
+  /// Whether it has.
+  bool later_phase_failed() const { return later_phase_failed_; }
 
   /// Sends and receives what can be; true when anything happened.
   bool progress(const Receive& receive);
@@ -160,10 +163,11 @@ class Exchange {
 
   std::atomic<std::size_t> backlog_{0};  ///< counted bytes posted and not yet sent
   std::atomic<std::int64_t> inbox_{0};   ///< counted bytes received and not yet consumed
-  std::uint32_t first_phase_ = 0;
-  std::uint32_t phase_ = 0;
-  bool leaving_ = false;
-  std::uint32_t failed_phase_ = 0;  ///< that this rank had left when another failed in it; 0: none
+  std::uint64_t first_phase_ = 0;
+  std::uint64_t phase_ = 0;
+  std::uint64_t failed_phase_ = 0;  ///< the first that this rank had left when another failed in it; 0: none
+  bool hears_later_failures_ = false;
+  bool later_phase_failed_ = false;
   bool look_at_kept_ = false;
   double load_ = 0;
   std::uint64_t packets_sent_ = 0;

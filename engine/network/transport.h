@@ -41,7 +41,7 @@ struct LostPeer {
 /// What a rank tells the others when it goes: see Transport::leave() and abandon().
 struct LeaveNotice {
   Rank rank;
-  std::uint32_t ended_phase = 0;  ///< the last in which it took part until the end
+  std::uint64_t ended_phase = 0;  ///< the last in which it took part until the end
   std::string why;
   bool will_close = false;
 };
@@ -61,6 +61,7 @@ class TransportError : public std::runtime_error {
 class Transport {
  public:
   static constexpr std::size_t kMaxHead = 64 * 1024;
+  static constexpr std::uint64_t kPhasesOfAUser = std::uint64_t{1} << 32;
 
   /// Called for each packet that has arrived. The head is gone when it returns, the segments are the
   /// receiver's. It may call send() but not poll().
@@ -129,20 +130,23 @@ class Transport {
   virtual std::vector<std::pair<std::string, long>> calls() const { return {}; }
 
   /// Numbers the phases in which the ranks use the network one after the other, alike on all ranks. A rank
-  /// may be a phase ahead of another: what it sends is kept here, beyond the life of whoever uses the network
-  /// now. Only a transport that passes everything on to another overrides these.
-  virtual std::uint32_t next_phase() { return ++phase_; }
+  /// may be some phases ahead of another: what it sends is kept here, beyond the life of whoever uses the
+  /// network now. Only a transport that passes everything on to another overrides these.
+  virtual std::uint64_t next_phase() { return ++phase_; }
+  /// The first of whoever uses the network next, beyond all of whoever does now: where one has failed, not
+  /// all ranks have come equally far. Of one user the numbers differ by less than kPhasesOfAUser.
+  virtual std::uint64_t first_phase() { return phase_ = (phase_ / kPhasesOfAUser + 1) * kPhasesOfAUser; }
   /// The current phase is over for this rank, in good order.
   virtual void end_phase() { ended_phase_ = phase_; }
   virtual void keep(KeptPacket packet) { kept_.push_back(std::move(packet)); }
   virtual std::vector<KeptPacket> take_kept() { return std::exchange(kept_, {}); }
 
  protected:
-  std::uint32_t phase() const { return phase_; }
-  std::uint32_t ended_phase() const { return ended_phase_; }
+  std::uint64_t phase() const { return phase_; }
+  std::uint64_t ended_phase() const { return ended_phase_; }
 
   /// The first of those ranks that the phase waits for in vain.
-  static std::optional<LostPeer> missed_in(std::uint32_t phase, std::span<const LeaveNotice> notices) {
+  static std::optional<LostPeer> missed_in(std::uint64_t phase, std::span<const LeaveNotice> notices) {
     for (const LeaveNotice& notice : notices) {
       if (notice.will_close && notice.ended_phase >= phase) continue;
       return LostPeer{notice.rank, notice.why, notice.will_close};
@@ -151,8 +155,8 @@ class Transport {
   }
 
  private:
-  std::uint32_t phase_ = 0;
-  std::uint32_t ended_phase_ = 0;
+  std::uint64_t phase_ = 0;
+  std::uint64_t ended_phase_ = 0;
   std::vector<KeptPacket> kept_;
 };
 

@@ -156,6 +156,7 @@ class Runtime::Implementation final : private BalanceActions {
       those.push_back(Rank(child));
     return those;
   }
+  Rank after() const { return Rank((rank().value + 1) % ranks()); }
   Rank before() const { return Rank((rank().value + ranks() - 1) % ranks()); }
   void peer_lost(const LostPeer& lost);
   void tell_waits();
@@ -198,11 +199,15 @@ class Runtime::Implementation final : private BalanceActions {
   TimePoint next_peer_check_ = 0;
   TimePoint next_bulletin_ = 0;
   TimePoint turn_ = 0;        ///< when the current turn looked at what is due
-  TimePoint last_heard_ = 0;  ///< by clock_, from the rank before this one; 0: not in this run
+  TimePoint last_heard_ = 0;  ///< by clock_, from the rank before this one, or the run's begin
   TimePoint awake_since_ = 0;
   TimePoint begin_ = 0;
 
-  // Of all runs.
+  // Of all runs, which are numbered alike on all ranks. The rank before this one may still be in one that
+  // this rank has left. Outside of runs its silence means nothing.
+  std::uint64_t run_ = 0;
+  std::uint64_t before_in_ = 0;    ///< the last in which the rank before this one was heard to be
+  std::uint64_t before_left_ = 0;  ///< the last that it has left
   AwakeClock clock_;
   TimePoint wall_ = 0;
   TimePoint communication_ = 0;       ///< processor time
@@ -225,6 +230,7 @@ void Runtime::Implementation::run(std::function<bool()> done, std::function<void
   scheduler_.start(std::move(root));
   loop();
   scheduler_.end_run();
+  if (!done_) before_left_ = run_;  // it has ended for all
   transport_.end_phase();
   wall_ += now() - begin_time;
   for (auto [name, count] : transport_.calls()) {
@@ -235,14 +241,12 @@ void Runtime::Implementation::run(std::function<bool()> done, std::function<void
     if (sum == calls_.end()) sum = calls_.insert(calls_.end(), {name, 0});
     sum->second += count;
   }
-  if (!failure_) return;
-  exchange_.end_failed_phase();
-  throw failure();
+  if (failure_) throw failure();
 }
 
 void Runtime::Implementation::begin(std::function<bool()> done) {
   done_ = std::move(done);
-  exchange_.begin_phase(done_ != nullptr);
+  exchange_.begin_phase();
   // What the policies of two ranks last told each other may have been lost at the end of the last run.
   balancer_ = options_.balancer(rank(), ranks());
   scheduler_.wake_when_ready(false);
@@ -253,7 +257,8 @@ void Runtime::Implementation::begin(std::function<bool()> done) {
   failed_here_.reset();
   waits_.clear();
   waits_missing_ = 0;
-  last_heard_ = 0;
+  last_heard_ = clock_.tick(now());
+  ++run_;
   begin_ = next_heartbeat_ = next_peer_check_ = next_bulletin_ = awake_since_ = now();
 }
 
@@ -335,9 +340,10 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
     case FrameKind::waits:
       return receive_waits(unpacked<std::vector<std::string>>(std::move(payload)));
     case FrameKind::heartbeat:
+      before_in_ = std::max(before_in_, unpacked<std::uint64_t>(std::move(payload)));
       return;
     case FrameKind::leaving:
-      last_heard_ = 0;
+      before_left_ = std::max(before_left_, unpacked<std::uint64_t>(std::move(payload)));
       return;
     case FrameKind::bulletin:
       if (options_.bulletins.read) options_.bulletins.read(from, std::move(payload));
@@ -427,7 +433,7 @@ void Runtime::Implementation::detect_end() {
   if (done_) {  // others may wait for what comes to them, but no more for this rank
     if (!count_if_passive()) return;
     ended_ = ranks() == 1 || std::exchange(told_leaving_, true);
-    if (!ended_) exchange_.post(Rank((rank().value + 1) % ranks()), FrameKind::leaving, {});
+    if (!ended_) exchange_.post(after(), FrameKind::leaving, packed(run_));
     return;
   }
   for (; termination_->due(turn_); turn_ = now()) {
@@ -536,6 +542,7 @@ void Runtime::Implementation::fail_here(const std::string& what) {
     declare_failure({what, Rank(0), false});
   } else {
     exchange_.post(Rank(0), FrameKind::failure, packed(what));
+    exchange_.hear_later_failures();
   }
 }
 
@@ -562,6 +569,8 @@ void Runtime::Implementation::accept_verdict(Rank from, Verdict verdict) {
   if (failure_) return;
   failure_ = std::move(verdict);
   scheduler_.stop();  // at once: no handler may begin after run() has thrown
+  // Others may wait in this run for what this rank has not sent, and never come to the one that has failed.
+  if (exchange_.later_phase_failed()) tell_verdict();
   if (failure_->reporter != rank()) return;
   if (options_.on_failure) options_.on_failure(failure_->what);
   if (failure_->broken) tell_verdict();  // which confirms that it is reported
@@ -577,13 +586,14 @@ void Runtime::Implementation::tell_verdict() {
 void Runtime::Implementation::watch_peers(TimePoint time) {
   if (ranks() == 1 || time < std::min(next_heartbeat_, next_peer_check_)) return;
   if (time >= next_heartbeat_) {
-    exchange_.post(Rank((rank().value + 1) % ranks()), FrameKind::heartbeat, {});
+    exchange_.post(after(), FrameKind::heartbeat, packed(run_));
     next_heartbeat_ = time + kHeartbeatPeriod;
   }
   next_peer_check_ = time + kPeerCheckPeriod;
   if (const auto lost = transport_.lost_peer()) return peer_lost(*lost);
   const TimePoint silence = duration_cast<nanoseconds>(options_.silence).count();
-  if (last_heard_ > 0 && clock_.time() - last_heard_ > silence && !transport_.watches(before())) {
+  const bool expected = before_in_ > before_left_;
+  if (expected && clock_.time() - last_heard_ > silence && !transport_.watches(before())) {
     peer_lost({before(), "died: it has been silent for too long"});
   }
 }
@@ -667,7 +677,6 @@ void Runtime::Implementation::progress_until(const std::function<bool()>& done) 
     }
     if (!failure_) continue;
     wind_down();
-    exchange_.end_failed_phase();
     throw failure();
   }
 }

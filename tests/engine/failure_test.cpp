@@ -198,7 +198,8 @@ class FailingTransport final : public Transport {
   void leave(const std::string& why) noexcept override { below_.leave(why); }
   void close() override { below_.close(); }
   void abandon() noexcept override { below_.abandon(); }
-  std::uint32_t next_phase() override { return below_.next_phase(); }
+  std::uint64_t next_phase() override { return below_.next_phase(); }
+  std::uint64_t first_phase() override { return below_.first_phase(); }
   void end_phase() override { below_.end_phase(); }
   void keep(KeptPacket packet) override { below_.keep(std::move(packet)); }
   std::vector<KeptPacket> take_kept() override { return below_.take_kept(); }
@@ -467,6 +468,112 @@ TEST_P(FailureOnRanks, WhoIsAheadFailsNoRunThatOthersAreIn) {
     };
     EXPECT_THAT(what_of(fail_ahead), HasSubstr("no input"));
   });
+}
+
+/// A runtime on the transport of one that has failed hears what is sent to it, and nothing else.
+void expect_in_step(Transport& transport) {
+  const Registry registry = bombs();
+  Runtime runtime(transport, registry, {.balancer = no_balancing(), .on_failure = {}});
+  runtime.run_until([] { return true; }, [](Context& context) { context.create<Bomb>(); });
+  std::int64_t ticks = 0;
+  const auto time_of_end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  runtime.run_until(
+      [&] {
+        runtime.visit<Bomb>([&](MobilePtr<Bomb>, Bomb& bomb) { ticks = bomb.value; });
+        return ticks == 1 || std::chrono::steady_clock::now() > time_of_end;
+      },
+      [](Context& context) {
+        context.invoke<&Bomb::tick>(kBomb((context.rank().value + 1) % context.ranks()));
+      });
+  EXPECT_EQ(ticks, 1) << "rank " << transport.rank().value << " is not where the others are";
+}
+
+/// How a runtime fails in the runs that `act` makes; the next one on the same transport works.
+template <class Act>
+std::string failure_on(Transport& transport, const Act& act) {
+  std::string what = "no failure";
+  {
+    const Registry registry = bombs();
+    Runtime runtime(transport, registry,
+                    {.grace = std::chrono::seconds(5), .on_failure = [](const std::string&) {}});
+    try {
+      act(runtime);
+    } catch (const RunFailure& failure) {
+      what = failure.what();
+      EXPECT_FALSE(failure.network_broken());
+    }
+  }
+  expect_in_step(transport);
+  return what;
+}
+
+TEST_P(FailureOnRanks, WhoIsSeveralRunsAheadOfAFailureIsInStepAfterIt) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const std::string what = failure_on(transport, [&](Runtime& runtime) {
+      const auto fail_late = [&](Context& context) {
+        if (context.rank() != Rank(last())) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        throw std::runtime_error("no input");
+      };
+      runtime.run_until([] { return true; }, fail_late);
+      for (int run = 0; run < 3; ++run) runtime.run_until([] { return true; }, {});
+      runtime.run_until([] { return false; }, {});
+    });
+    EXPECT_THAT(what, HasSubstr("no input"));
+  });
+}
+
+/// Rank 0 decides on the failure in its own run and is gone when another rank fails in the run before: the
+/// ranks that wait in that hear of it, too.
+TEST_P(FailureOnRanks, FailuresInTwoRunsAtOnceEndBoth) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const std::string what = failure_on(transport, [&](Runtime& runtime) {
+      const bool leaves = runtime.rank() == Rank(0);
+      runtime.run_until([&] { return leaves; },
+                        [&](Context& context) {
+                          if (context.rank() != Rank(last()) || leaves) return;
+                          std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                          throw std::runtime_error("no input");
+                        });
+      runtime.run_until([] { return false; }, [](Context&) { throw std::runtime_error("no room"); });
+    });
+    EXPECT_THAT(what, ::testing::AnyOf(HasSubstr("no room"), HasSubstr("no input")));
+  });
+}
+
+TEST(Failure, ARankThatFallsSilentInARunThatThisOneHasLeftCountsAsDead) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  LoopbackNetwork network(2);
+  const Registry registry = bombs();
+  Exchange silent(network.transport(Rank(0)), {}, registry.fingerprint());
+  silent.begin_phase();
+  silent.post(Rank(1), FrameKind::heartbeat, packed(std::uint64_t{1}));
+  silent.progress([](Rank, FrameKind, Payload, std::size_t) {});
+  Runtime runtime(network.transport(Rank(1)), registry,
+                  {.silence = std::chrono::milliseconds(300), .on_failure = {}});
+  runtime.run_until([] { return true; }, {});
+  const auto time_of_end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto wait = [&] {
+    runtime.run_until([&] { return std::chrono::steady_clock::now() > time_of_end; }, {});
+  };
+  EXPECT_EQ(what_of(wait), "rank 0 died: it has been silent for too long");
+}
+
+/// Packets may overtake each other.
+TEST(Failure, ARankThatHasLeftCountsNotAsDeadWhenWhatItSentBeforeComesAfter) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  LoopbackNetwork network(2);
+  const Registry registry = bombs();
+  Exchange left(network.transport(Rank(0)), {}, registry.fingerprint());
+  left.begin_phase();
+  for (const FrameKind kind : {FrameKind::leaving, FrameKind::heartbeat}) {
+    left.post(Rank(1), kind, packed(std::uint64_t{1}));
+    left.progress([](Rank, FrameKind, Payload, std::size_t) {});
+  }
+  Runtime runtime(network.transport(Rank(1)), registry,
+                  {.silence = std::chrono::milliseconds(100), .on_failure = {}});
+  EXPECT_NO_THROW(runtime.run_until(
+      [] { return true; }, [](Context&) { std::this_thread::sleep_for(std::chrono::milliseconds(800)); }));
 }
 
 /// Keeps its rank's worker busy beyond the end of the run in which it dies.

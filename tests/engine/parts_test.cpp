@@ -591,23 +591,43 @@ TEST(Exchange, AMessageLargerThanTheWindowGoesThoughLittleIsStillUncredited) {
 
 TEST(Exchange, KeepsFramesOfALaterPhaseForTheOneWhoBeginsIt) {
   LoopbackNetwork network(2);
-  {
-    Exchange here(network.transport(Rank(0)), {});
-    here.begin_phase();
-    here.begin_phase();
-    here.post(Rank(1), FrameKind::task, bytes({9}));
-    here.progress([](Rank, FrameKind, Payload, std::size_t) {});
+  const auto use = [&](int rank, int phases) {
+    Exchange exchange(network.transport(Rank(rank)), {});
+    int arrived = 0;
+    for (int phase = 0; phase < phases; ++phase) {
+      exchange.begin_phase();
+      if (rank == 0) exchange.post(Rank(1), FrameKind::task, {});
+      exchange.progress([&](Rank, FrameKind, Payload, std::size_t) { ++arrived; });
+    }
+    return arrived;
+  };
+  use(0, 3);
+  EXPECT_EQ(use(1, 2), 2);
+  // The next user's phases are its own, however many the one before went through on this rank.
+  use(0, 2);
+  EXPECT_EQ(use(1, 1), 1);
+}
+
+TEST(Exchange, AKeptPacketThatThrowsDoesNotTakeThoseBehindItAlong) {
+  LoopbackNetwork network(2);
+  Exchange here(network.transport(Rank(0)), {}), there(network.transport(Rank(1)), {});
+  const auto nothing = [](Rank, FrameKind, Payload, std::size_t) {};
+  here.begin_phase();
+  there.begin_phase();
+  here.begin_phase();
+  for (int packet = 0; packet < 3; ++packet) {
+    here.post(Rank(1), FrameKind::task, {});
+    here.progress(nothing);
   }
-  {
-    Exchange first(network.transport(Rank(1)), {});
-    first.begin_phase();
-    first.progress([](Rank, FrameKind, Payload, std::size_t) { ADD_FAILURE() << "too early"; });
-  }
-  Exchange second(network.transport(Rank(1)), {});
-  second.begin_phase();
+  there.progress(nothing);
+  there.begin_phase();
   int arrived = 0;
-  second.progress([&](Rank, FrameKind, Payload, std::size_t) { ++arrived; });
-  EXPECT_EQ(arrived, 1);
+  const auto throw_at_first = [&](Rank, FrameKind, Payload, std::size_t) {
+    if (++arrived == 1) throw std::runtime_error("unreadable");
+  };
+  EXPECT_THROW(there.progress(throw_at_first), std::runtime_error);
+  there.progress(throw_at_first);
+  EXPECT_EQ(arrived, 3);
 }
 
 }  // namespace

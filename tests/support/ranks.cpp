@@ -37,7 +37,8 @@ class DelayedTransport final : public Transport {
   void leave(const std::string& why) noexcept override { below_.leave(why); }
   void close() override { below_.close(); }
   void abandon() noexcept override { below_.abandon(); }
-  std::uint32_t next_phase() override { return below_.next_phase(); }
+  std::uint64_t next_phase() override { return below_.next_phase(); }
+  std::uint64_t first_phase() override { return below_.first_phase(); }
   void end_phase() override { below_.end_phase(); }
   void keep(engine::KeptPacket packet) override { below_.keep(std::move(packet)); }
   std::vector<engine::KeptPacket> take_kept() override { return below_.take_kept(); }
