@@ -69,6 +69,7 @@ struct Format {
   bool (*in_parts)(const fs::path&) = nullptr;
   PartPlaces (*begin_parts)(const fs::path&, const fs::path&, const WholeMesh&) = nullptr;
   std::unique_ptr<PartWriter> (*open_part)(PartTarget, const WholeMesh&, const PartPlaces&) = nullptr;
+  bool (*has_short_reals)(const fs::path&) = nullptr;
   // Where many can write one file of text: whether this one, what stands before the rows of its sections, and
   // the rows.
   bool (*as_text)(const fs::path&) = nullptr;
@@ -150,9 +151,10 @@ constexpr std::array kFormats = {
            .read_range = read_ugrid_range,
            .is_streamed = is_ascii_ugrid,
            .stream = stream_ugrid,
-           .in_parts = is_ugrid_for_parts,
+           .in_parts = is_binary_ugrid,
            .begin_parts = begin_ugrid_parts,
            .open_part = open_ugrid_part,
+           .has_short_reals = has_ugrid_short_reals,
            .as_text = is_ascii_ugrid,
            .text_heads = ugrid_heads,
            .open_text_part = open_ugrid_text_part},
@@ -366,6 +368,11 @@ PartPlaces begin_parts(const fs::path& file, const fs::path& name, const WholeMe
 std::unique_ptr<PartWriter> open_part(PartTarget target, const WholeMesh& whole, const PartPlaces& places) {
   const Format& format = format_of(target.name);
   return format.open_part(std::move(target), whole, places);
+}
+
+bool has_short_reals(const fs::path& path) {
+  const Format& format = format_of(path);
+  return format.has_short_reals && format.has_short_reals(path);
 }
 
 bool can_be_written_as_text(const fs::path& path) {

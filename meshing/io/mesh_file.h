@@ -88,8 +88,7 @@ void write_mesh(const std::filesystem::path& path, const MeshData& mesh,
 void write_mesh_contents(const std::filesystem::path& path, const MeshView& contents,
                          const WriteOptions& options = {});
 
-/// Whether several writers can write the file, each its part of the mesh: UGRID of 64-bit reals, .msh, .vtu,
-/// .cgns.
+/// Whether several writers can write the file, each its part of the mesh: binary UGRID, .msh, .vtu, .cgns.
 /// (GMF files have a writer of their own, GmfSliceWriter.)
 bool can_be_written_in_parts(const std::filesystem::path& path);
 /// By one of the writers, before the others: lays the file out, and writes all that is no row. `file` exists,
@@ -98,6 +97,8 @@ PartPlaces begin_parts(const std::filesystem::path& file, const std::filesystem:
                        const WholeMesh& whole);
 /// By every writer, the target's name that of the file; `places` is what the first has got of begin_parts().
 std::unique_ptr<PartWriter> open_part(PartTarget target, const WholeMesh& whole, const PartPlaces& places);
+/// Whether such a file has 32-bit reals: who writes a part asks refuse_if_rounding_breaks() of it first.
+bool has_short_reals(const std::filesystem::path& path);
 
 /// The same of text, whose rows have no places until their length is known: whether several writers can write
 /// the file, section by section.

@@ -439,7 +439,7 @@ void write_ugrid(const fs::path& path, const MeshView& contents, const WriteOpti
   check_lengths(contents.mesh, contents.fields);
   const Encoding encoding = encoding_of(path);
   const MeshData& mesh = contents.mesh;
-  if (!encoding.ascii && encoding.real_size == 4) refuse_if_rounding_breaks(mesh, path.string());
+  if (has_ugrid_short_reals(path)) refuse_if_rounding_breaks(mesh, path.string());
   check_integers(path.string(), encoding,
                  std::max({mesh.points.size(), mesh.triangles.size(), mesh.tets.size()}));
   AtomicFile file(path);
@@ -456,10 +456,11 @@ void write_ugrid(const fs::path& path, const MeshView& contents, const WriteOpti
   file.commit();
 }
 
-bool is_ugrid_for_parts(const fs::path& path) {
-  if (path.extension() != ".ugrid") return false;
+bool is_binary_ugrid(const fs::path& path) { return !encoding_of(path).ascii; }
+
+bool has_ugrid_short_reals(const fs::path& path) {
   const Encoding encoding = encoding_of(path);
-  return !encoding.ascii && encoding.real_size == 8;
+  return !encoding.ascii && encoding.real_size == 4;
 }
 
 namespace {

@@ -37,11 +37,12 @@ MeshContents read_ugrid_range(const std::filesystem::path& path, const MeshRange
 void write_ugrid(const std::filesystem::path& path, const MeshView& contents,
                  const WriteOptions& options = {});
 
-/// Whether the name is that of a file which several writers can write, each its part: binary, 64-bit reals.
-bool is_ugrid_for_parts(const std::filesystem::path& path);
+bool is_binary_ugrid(const std::filesystem::path& path);
+/// Whether the name is that of a file of 32-bit reals.
+bool has_ugrid_short_reals(const std::filesystem::path& path);
 
-// Such a file, by several writers: one lays it out and writes all that is no row, then each writes its rows.
-// The bytes are those of write_ugrid().
+// A binary file, by several writers: one lays it out and writes all that is no row, then each writes its rows.
+// The bytes are those of write_ugrid(), which refuses what 32-bit reals break; here the caller does.
 PartPlaces begin_ugrid_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                              const WholeMesh& whole);
 std::unique_ptr<PartWriter> open_ugrid_part(PartTarget target, const WholeMesh& whole,

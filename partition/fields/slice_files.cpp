@@ -10,6 +10,7 @@
 
 #include "meshing/base/box.h"
 #include "meshing/base/place_in.h"
+#include "meshing/io/files/single_precision.h"
 #include "meshing/io/gmf/gmf_slice_writer.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
@@ -19,6 +20,7 @@
 #include "partition/output/common_file.h"
 #include "partition/output/common_text.h"
 #include "partition/output/gmf_output.h"
+#include "partition/slice/fetched_points.h"
 
 namespace weft::partition {
 namespace {
@@ -196,8 +198,20 @@ void with_part(const MeshSlice& slice, const meshing::SolutionData& fields, cons
                            fields});
 }
 
+/// All ranks: throws where the reals of such a file would break the mesh.
+void refuse_rounding(Peers& peers, const MeshSlice& slice, const std::filesystem::path& file) {
+  if (!meshing::has_short_reals(file)) return;
+  const FetchedPoints points(peers, slice, Ranges(peers, slice.points.size()), slice.tets);
+  agree_on(peers, [&] {
+    meshing::refuse_if_rounding_breaks(
+        slice.points, slice.first_point, slice.tets.size(), slice.first_tet,
+        [&](std::size_t t) { return points.of(slice.tets[t]); }, file.string());
+  });
+}
+
 void write_in_parts(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
                     const WholeMesh& whole, const FirstRows& first, const std::filesystem::path& file) {
+  refuse_rounding(peers, slice, file);
   CommonFile common(file);
   common.create(peers);
   meshing::PartPlaces places;

@@ -2,6 +2,7 @@
 #include "partition/output/output.h"
 
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <functional>
 #include <iterator>
@@ -13,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "meshing/io/files/single_precision.h"
 #include "meshing/io/gmf/gmf_slice_writer.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/metric/metric_field.h"
@@ -149,6 +151,7 @@ class CommonMesh {
   void create(Peers& peers) {
     file_.create(peers);
     agree_on(peers, [&] {
+      refuse_rounding();
       if (share_.first) places_ = meshing::begin_parts(file_.temporary(), file_.name(), mesh_.whole);
     });
     places_ = allgather(peers, places_)[0];
@@ -165,6 +168,20 @@ class CommonMesh {
   void commit() { file_.commit(); }
 
  private:
+  void refuse_rounding() const {
+    if (!meshing::has_short_reals(file_.name())) return;
+    for (std::size_t p = 0; p < share_.pieces.size(); ++p) {
+      const PieceNumbers& numbers = share_.numbering.pieces[p];
+      const meshing::MeshData& mesh = share_.pieces[p].mesh;
+      const auto corners = [&](std::size_t t) {
+        const auto& [a, b, c, d] = mesh.tets[t];
+        return std::array{mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]};
+      };
+      meshing::refuse_if_rounding_breaks(own_entities(share_.pieces[p], numbers).points, numbers.first.points,
+                                         mesh.tets.size(), numbers.first.tets, corners, file_.name().string());
+    }
+  }
+
   const Share& share_;
   CommonFile file_;
   DescribedMesh mesh_;

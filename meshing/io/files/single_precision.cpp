@@ -26,21 +26,29 @@ bool too_large(const Point& p) {
 
 }  // namespace
 
-void refuse_if_rounding_breaks(const MeshData& mesh, const std::string& file) {
-  const std::size_t large =
-      find_first(mesh.points.size(), [&](std::size_t v) { return too_large(mesh.points[v]); });
-  if (large < mesh.points.size())
-    throw InputError(file, "vertex " + std::to_string(large + 1),
+void refuse_if_rounding_breaks(std::span<const Point> points, std::uint64_t first_point, std::size_t num_tets,
+                               std::uint64_t first_tet,
+                               const std::function<std::array<Point, 4>(std::size_t)>& corners,
+                               const std::string& file) {
+  const std::size_t large = find_first(points.size(), [&](std::size_t v) { return too_large(points[v]); });
+  if (large < points.size())
+    throw InputError(file, "vertex " + std::to_string(first_point + large + 1),
                      "a coordinate is too large for 32-bit reals");
-  const std::size_t bad = find_first(mesh.tets.size(), [&](std::size_t t) {
-    const auto& [a, b, c, d] = mesh.tets[t];
-    const auto& p = mesh.points;
-    return orientation(rounded(p[a]), rounded(p[b]), rounded(p[c]), rounded(p[d])) <= 0 &&
-           orientation(p[a], p[b], p[c], p[d]) > 0;
+  const std::size_t bad = find_first(num_tets, [&](std::size_t t) {
+    const auto [a, b, c, d] = corners(t);
+    return orientation(rounded(a), rounded(b), rounded(c), rounded(d)) <= 0 && orientation(a, b, c, d) > 0;
   });
-  if (bad < mesh.tets.size())
-    throw InputError(file, "tet " + std::to_string(bad + 1),
+  if (bad < num_tets)
+    throw InputError(file, "tet " + std::to_string(first_tet + bad + 1),
                      "would lose its volume in the 32-bit reals of this format: choose one with 64 bits");
+}
+
+void refuse_if_rounding_breaks(const MeshData& mesh, const std::string& file) {
+  const auto corners = [&](std::size_t t) {
+    const auto& [a, b, c, d] = mesh.tets[t];
+    return std::array{mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]};
+  };
+  refuse_if_rounding_breaks(mesh.points, 0, mesh.tets.size(), 0, corners, file);
 }
 
 }  // namespace weft::meshing

@@ -89,7 +89,7 @@ void for_ranks_and_shares(const Action& action) {
 }
 
 TEST(SliceFiles, HaveTheBytesOfTheWholeMesh) {
-  for (const char* name : {"m.su2", "m.vtu", "m.msh", "m.lb8.ugrid", "m.ugrid", "m.meshb", "m.mesh"})
+  for (const char* name : {"m.su2", "m.vtu", "m.msh", "m.lb8.ugrid", "m.b4.ugrid", "m.ugrid", "m.meshb", "m.mesh"})
     for (const MeshContents& contents : {named_box(), empty_mesh()}) {
       SCOPED_TRACE(name);
       const TemporaryDirectory expected;
@@ -105,6 +105,34 @@ TEST(SliceFiles, HaveTheBytesOfTheWholeMesh) {
         EXPECT_TRUE(files_of(directory.path()) == files_of(expected.path()));
       });
     }
+}
+
+TEST(SliceFiles, AreRefusedWhereRoundingBreaksATet) {
+  MeshContents box = named_box();
+  const auto first = static_cast<std::uint32_t>(box.mesh.points.size());
+  const double small = 1e-12;
+  for (const meshing::Point& p : {meshing::Point{1, 1, 1}, {1 + small, 1, 1}, {1, 1 + small, 1}, {1, 1, 1 + small}})
+    box.mesh.points.push_back(p);
+  box.mesh.tets.push_back({first, first + 1, first + 2, first + 3});
+  box.complete();
+  box.mesh.point_refs.resize(box.mesh.points.size());
+  box.mesh.tet_refs.resize(box.mesh.tets.size());
+  box.fields = {box.mesh.points.size(), {}};
+  const TemporaryDirectory directory;
+  const std::string expected =
+      meshing::message_of([&] { meshing::write_mesh_contents(directory / "m.b4.ugrid", box); });
+  meshing::expect_contains(expected, "would lose its volume");
+  for_ranks_and_shares([&](int ranks, unsigned seed) {
+    for (const auto& thrown :
+         write_on(ranks, seed, box, [&](auto&peers, auto&slice, auto&&fields, auto&&names) {
+           write_mesh_of_slices(peers, slice, fields, names, directory / "m.b4.ugrid");
+         }))
+      EXPECT_EQ(meshing::message_of([&] {
+                  if (thrown) std::rethrow_exception(thrown);
+                }),
+                expected);
+    EXPECT_EQ(directory.num_entries(), 0u);
+  });
 }
 
 TEST(SliceFiles, OfCgnsHoldTheWholeMesh) {
