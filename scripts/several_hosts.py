@@ -116,7 +116,7 @@ class Run:
                            "mpi_yield_when_idle": 1, "orte_keep_fqdn_hostnames": 1}.items():
             mpirun += ["--mca", key, value]
         weft = [options.weft, "adapt", folder / "start.meshb", "--metric-fn", "polar-2", "--complexity", options.complexity,
-                "--subdomains", options.subdomains, "-o", self.output, "--quiet"]
+                "--subdomains", options.subdomains, "-o", self.output, "--progress", "plain"]
         words = ["ip", "netns", "exec", hosts.name(1), "unshare", "--uts", "bash", "-c", 'hostname "$0"; exec "$@"', hosts.name(1), *mpirun, *weft]
         self.begin = time.monotonic()
         # A file, not a pipe: what goes on on a host that was cut off would keep a pipe open.
@@ -129,12 +129,11 @@ class Run:
         if self.process.poll() is None:
             os.killpg(self.process.pid, signal.SIGKILL)
 
-    def under_way(self, hosts, seconds):
-        """Waits until ranks work on the last host, and so long more; False when the run was over before."""
-        while self.process.poll() is None and not hosts.works(hosts.count, "weft"):
+    def under_way(self, seconds):
+        """Waits until the ranks of all hosts have begun, as the first line of progress tells, and so long more."""
+        while self.process.poll() is None and "weft: " not in self.said.read_text():
             time.sleep(0.1)
         time.sleep(seconds)
-        return self.process.poll() is None
 
     def end(self, limit):
         """Exit code (None: it hung), what it said, seconds."""
@@ -177,7 +176,7 @@ class Trials:
     def cut(self, host, after, seconds):
         """What cuts a host off for a while."""
         def meanwhile(run):
-            run.under_way(self.hosts, after)
+            run.under_way(after)
             self.hosts.link(host, False)
             time.sleep(seconds)
             self.hosts.link(host, True)
@@ -189,16 +188,17 @@ class Trials:
     def lost(self, name, host, after, lose, with_mpirun=False):
         """A host that goes for good: the run ends and names it (unless mpirun goes too), no process goes on and nothing is written."""
         run = Run(self.options, self.hosts, self.folder, "out")
-        run.under_way(self.hosts, after)
+        run.under_way(after)
+        before = len(run.said.read_text())
         lose(host)
         code, said, seconds = run.end(PATIENCE)
+        said = said[before:]
         left = [h for h in range(1, self.hosts.count + 1) if self.hosts.left_over(h, PATIENCE)]
         self.hosts.link(host, True)
         if self.is_right(run, code):
             self.say(name, self.options.random > 0, "the run was over before: a larger --complexity takes longer")
         else:
             named = with_mpirun or "rank" in said or "10.77.0." in said or self.hosts.name(host) in said
-            named = named or "unable to reliably start" in said  # mpirun's words where that host's ranks have not begun
             good = code not in (None, 0) and named and not left and not run.output.exists()  # mpirun has codes of its own
             what = next((line for line in said.splitlines() if "error" in line.lower() or "lost" in line.lower()), said.strip()[:200])
             self.say(name, good, f"exit {code} after {seconds:.1f} s: {what}{f'; processes went on on hosts {left}' if left else ''}")
@@ -254,7 +254,7 @@ def main():
     parser.add_argument("--ranks", type=int, default=1, help="of each host")
     parser.add_argument("--subdomains", type=int, default=12)
     parser.add_argument("--complexity", type=int, default=60_000)
-    parser.add_argument("--cut-after", type=float, default=2, help="seconds after the ranks have started")
+    parser.add_argument("--cut-after", type=float, default=2, help="seconds after the ranks have begun")
     parser.add_argument("--limit", type=float, default=600, help="seconds after which a run hangs")
     parser.add_argument("--only", choices=["plain", "latency", "bandwidth", "restored", "cut", "killed"], help="one of the trials")
     parser.add_argument("--repeat", type=int, default=1)
