@@ -229,8 +229,10 @@ void warn_of_limit(engine::Runtime& runtime, EnginePeers& peers, const Adaptatio
   wanting = partition::sum(peers, wanting);
   if (wanting[0] == 0) return;
   warnings.push_back("the run ended by its limit of " + std::to_string(plan.most_shifts) +
-                     " shifts: " + std::to_string(wanting[0]) + " of " + std::to_string(plan.subdomains) +
-                     " subdomains wanted " + std::to_string(wanting[1]) + " more vertices to be freed");
+                     (plan.most_shifts == 1 ? " shift: " : " shifts: ") + std::to_string(wanting[0]) +
+                     " of " + std::to_string(plan.subdomains) + " subdomains wanted " +
+                     std::to_string(wanting[1]) + (wanting[1] == 1 ? " more vertex" : " more vertices") +
+                     " to be freed");
 }
 
 /// The subdomains have been made pieces of: their vertices and boundary faces have these numbers.

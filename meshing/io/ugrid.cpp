@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -307,6 +309,10 @@ class RangeReader {
   std::uint64_t volume_ids_ = 0;  ///< 0: the file has none
 };
 
+std::string conditions_of(const fs::path& mapbc) {
+  return "boundary conditions of " + mapbc.filename().string();
+}
+
 /// A .mapbc: the number of lines, then lines of surface ID, boundary condition, name. Conditions are dropped.
 void read_mapbc(const fs::path& path, MeshContents& contents) {
   const FileBytes file(path);
@@ -321,7 +327,7 @@ void read_mapbc(const fs::path& path, MeshContents& contents) {
     in.text_integer();
     const std::string_view name = trimmed(in.line());
     if (!name.empty()) contents.names.set(2, ref, std::string(name));
-    contents.drop("boundary conditions of " + path.filename().string());
+    contents.drop(conditions_of(path));
   }
 }
 
@@ -576,7 +582,17 @@ std::unique_ptr<TextPart> open_ugrid_text_part(const WholeMesh&, const MeshPart&
 }
 
 bool has_mapbc_for(const fs::path& from, const fs::path& to) {
-  return from.extension() == ".ugrid" && to.extension() == ".ugrid" && fs::exists(mapbc_beside(from));
+  if (from.extension() != ".ugrid" || to.extension() != ".ugrid") return false;
+  const auto bytes_of = [](const fs::path& mesh) {
+    std::ifstream file(mapbc_beside(mesh), std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  return fs::exists(mapbc_beside(from)) && (!fs::exists(mapbc_beside(to)) || bytes_of(from) == bytes_of(to));
+}
+
+void leave_to_mapbc(const fs::path& from, RefNames& names, std::vector<Dropped>& dropped) {
+  names = {};
+  std::erase_if(dropped, [&](const Dropped& d) { return d.what == conditions_of(mapbc_beside(from)); });
 }
 
 void copy_mapbc(const fs::path& from, const fs::path& to) {

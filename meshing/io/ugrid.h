@@ -53,8 +53,11 @@ std::unique_ptr<PartWriter> open_ugrid_part(PartTarget target, const WholeMesh& 
 std::vector<std::string> ugrid_heads(const WholeMesh& whole);
 std::unique_ptr<TextPart> open_ugrid_text_part(const WholeMesh& whole, const MeshPart& part);
 
-/// Whether both are UGRID files and a .mapbc lies beside `from`: names and boundary conditions.
+/// Whether both are UGRID files and a .mapbc lies beside `from`, names and boundary conditions, and no other
+/// one beside `to`.
 bool has_mapbc_for(const std::filesystem::path& from, const std::filesystem::path& to);
+/// What that .mapbc keeps is not lost.
+void leave_to_mapbc(const std::filesystem::path& from, RefNames& names, std::vector<Dropped>& dropped);
 /// Gives `to`, a mesh with the boundaries of `from`, that .mapbc, where it has none yet.
 void copy_mapbc(const std::filesystem::path& from, const std::filesystem::path& to);
 

@@ -118,7 +118,7 @@ class Convert(CommandTest):
         self.box()
         self.weft("metric", "box.meshb", "--metric-fn", "linear", "-o", "m.solb")
         text = self.weft("convert", "box.meshb", "box.vtu", "--sol", "m.solb").stdout
-        self.assertIn("dropped: 24 ridges", text)
+        self.assertIn("dropped ridges (among the edges): 24\n", text)
         self.assertIn(b"UnstructuredGrid", (self.folder / "box.vtu").read_bytes()[:400])
         self.assertEqual(self.files(), ["box.meshb", "box.vtu", "m.solb"])
 
@@ -165,13 +165,30 @@ class Convert(CommandTest):
     def test_ugrid_and_su2_there_and_back(self):
         self.box()
         for name in ("a.lb8.ugrid", "a.b8.ugrid", "a.ugrid", "a.su2"):
-            self.assertIn("dropped: 8 corners", self.weft("convert", "box.meshb", name).stdout)
+            self.assertIn("dropped corners: 8\n", self.weft("convert", "box.meshb", name).stdout)
             self.weft("convert", name, "back.meshb")
             self.weft("verify", "back.meshb")
         self.weft("metric", "a.b8.ugrid", "--metric-fn", "uniform:0.3", "-o", "a.solb")
         self.weft("adapt", "a.b8.ugrid", "--metric", "a.solb", "-o", "b.lb8.ugrid", expect=(0, 1))
         self.weft("verify", "b.lb8.ugrid", "--against", "a.b8.ugrid")
         self.assertIn("b.lb8.solb", self.files())
+
+    def test_the_mapbc_goes_along_from_ugrid_to_ugrid(self):
+        self.box()
+        self.weft("convert", "box.meshb", "a.b8.ugrid")
+        self.assertNotIn("a.mapbc", self.files())
+        self.write("a.mapbc", "2\n1 5000 inflow\n4 3000 the wall\n")
+        lost = ("dropped boundary conditions of a.mapbc: 2\n", "dropped names of references: 2\n")
+        for name in ("b.lb8.ugrid", "b.ugrid"):
+            text = self.weft("convert", "a.b8.ugrid", name).stdout
+            self.assertEqual((self.folder / "b.mapbc").read_bytes(), (self.folder / "a.mapbc").read_bytes())
+            for line in lost:
+                self.assertNotIn(line, text)
+        self.write("b.mapbc", "1\n1 4000 skin\n")
+        text = self.weft("convert", "a.b8.ugrid", "b.lb8.ugrid").stdout
+        self.assertEqual((self.folder / "b.mapbc").read_text(), "1\n1 4000 skin\n", "another one stays")
+        for line in lost:
+            self.assertIn(line, text)
 
     def test_names_survive_an_adaptation(self):
         self.weft("convert", DATA / "formats/gmsh-box-41.msh", "box.su2")
@@ -190,7 +207,7 @@ class Convert(CommandTest):
 
     def test_other_volume_elements_are_dropped_by_convert_only(self):
         self.write("a.ugrid", "4 0 0 1 1 0 0\n0 0 0 1 0 0 0 1 0 0 0 1\n1 2 3 4\n1 2 3 4 4\n")
-        self.assertIn("dropped: 1 pyramids", self.weft("convert", "a.ugrid", "a.meshb").stdout)
+        self.assertIn("dropped pyramids: 1\n", self.weft("convert", "a.ugrid", "a.meshb").stdout)
         self.assert_fails("stat", "a.ugrid", says=["a.ugrid", "1 volume elements other than linear tetrahedra"])
 
     def test_vtu_there_and_back(self):
@@ -229,7 +246,7 @@ class Convert(CommandTest):
         for name in ("a.stl", "a.obj", "a.off", "a.ply"):
             text = self.weft("convert", "box.meshb", name).stdout
             self.assertIn("48 tets", text)
-            self.assertIn("dropped: 48 tets", text)
+            self.assertIn("dropped tets: 48\n", text)
             self.assertIn("0 tets, 48 triangles", self.weft("convert", name, "back.meshb").stdout)
         self.weft("convert", "box.meshb", "b.stl", "--encoding", "ascii")
         self.assertTrue((self.folder / "b.stl").read_text().startswith("solid"))

@@ -46,7 +46,7 @@ WriteOptions write_options_of(const weft_write_settings* settings) {
 std::string text_of(const std::vector<Dropped>& dropped) {
   std::string text;
   for (const Dropped& d : dropped)
-    text += (d.count > 0 ? std::to_string(d.count) + " " : std::string()) + d.what + "\n";
+    text += d.what + (d.count > 0 ? ": " + std::to_string(d.count) : std::string()) + "\n";
   return text;
 }
 

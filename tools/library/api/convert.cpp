@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "meshing/io/ugrid.h"
 #include "tools/common/inputs.h"
 #include "tools/common/text.h"
 #include "tools/library/jobs/sources/field_source.h"
@@ -38,11 +39,14 @@ Converted convert(const std::string& input, const std::string& output, const std
   const bool beside = !contents.fields.fields.empty() && holds_volumes(output) && !holds_fields(output);
   const std::string file = fields_beside(output);
   if (beside) check_writable(file);
+  const bool has_mapbc = meshing::has_mapbc_for(input, output);
+  if (has_mapbc) meshing::leave_to_mapbc(input, contents.names, contents.dropped);
   const Mesh& mesh = contents.mesh;
   Converted done{{mesh.points.size(), mesh.tets.size(), mesh.triangles.size(), mesh.edges.size()},
                  std::move(contents.dropped)};
   std::ranges::move(write_mesh_file(output, contents, options), std::back_inserter(done.dropped));
   if (beside) write_fields(file, contents.fields);
+  if (has_mapbc) meshing::copy_mapbc(input, output);
   return done;
 }
 

@@ -11,6 +11,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
+#include "meshing/io/ugrid.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 #include "partition/fields/measure_slices.h"
@@ -237,7 +238,10 @@ ConvertedOnRanks convert_on_ranks(const std::string& input, const std::string& s
     const std::string file = meshing::solution_beside(output).string();
     if (beside) check_output(peers, file);
     result.counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
-    for (Dropped& lost : meshing::lost_in(output, tools::counts_of_slices(peers, slice), fields, share.names))
+    const bool has_mapbc = meshing::has_mapbc_for(input, output);
+    RefNames names = share.names;
+    if (has_mapbc) meshing::leave_to_mapbc(input, names, result.dropped);
+    for (Dropped& lost : meshing::lost_in(output, tools::counts_of_slices(peers, slice), fields, names))
       result.dropped.push_back(std::move(lost));
     if (is_pvtu(output)) {
       WriteOptions of_pieces = options;
@@ -246,6 +250,9 @@ ConvertedOnRanks convert_on_ranks(const std::string& input, const std::string& s
     }
     partition::write_mesh_of_slices(peers, slice, fields, share.names, output);
     if (beside) partition::write_fields_of_slices(peers, slice, fields, file);
+    partition::agree_on(peers, [&] {
+      if (has_mapbc && peers.rank() == 0) meshing::copy_mapbc(input, output);
+    });
   });
   result.first = first;
   return result;

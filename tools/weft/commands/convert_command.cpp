@@ -41,8 +41,8 @@ struct ConvertCommand {
 std::string dropped_text(const std::vector<Dropped>& dropped) {
   std::string text;
   for (const Dropped& d : dropped) {
-    text += d.count > 0 ? fmt::format("dropped: {} {}\n", grouped(d.count), d.what)
-                        : fmt::format("dropped: {}\n", d.what);
+    text += d.count > 0 ? fmt::format("dropped {}: {}\n", d.what, grouped(d.count))
+                        : fmt::format("dropped {}\n", d.what);
   }
   return text;
 }
