@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
-#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -109,7 +108,11 @@ class Runtime::Implementation final : private BalanceActions {
     scheduler_.visit(type, function);
   }
   RankSummary summary() const;
-  RankTimeline timeline() const { return timeline_of(trace_, registry_.method_names(), clock_offset_); }
+  std::int64_t clock_offset() const { return clock_offset_; }
+  std::optional<RankTimeline> timeline() const {
+    if (!trace_.keeps_spans()) return std::nullopt;
+    return timeline_of(trace_, registry_.method_names(), clock_offset_);
+  }
   using Join = std::function<Payload(Payload mine, Payload more)>;
   Payload gather(const std::function<Payload()>& mine, const Join& join);
 
@@ -704,7 +707,8 @@ void Runtime::restore_location(ObjectId id, Rank at) {
 void Runtime::restore_object(Payload copy) { implementation_->scheduler().restore_object(std::move(copy)); }
 void Runtime::restore_message(Payload copy) { implementation_->scheduler().restore_message(std::move(copy)); }
 RankSummary Runtime::summary() const { return implementation_->summary(); }
-RankTimeline Runtime::timeline() const { return implementation_->timeline(); }
+std::int64_t Runtime::clock_offset() const { return implementation_->clock_offset(); }
+std::optional<RankTimeline> Runtime::timeline() const { return implementation_->timeline(); }
 
 void Runtime::visit(const TypeInfo& type, const std::function<void(ObjectId, void*)>& function) {
   implementation_->visit(type, function);
@@ -719,10 +723,11 @@ Payload append(Payload mine, Payload more) {
   return packed(std::move(all));
 }
 
+/// Of one or none.
 template <class T>
-Payload list_of(T one) {
+Payload list_of(std::optional<T> one) {
   std::vector<Payload> list;
-  list.push_back(packed(std::move(one)));
+  if (one) list.push_back(packed(*std::move(one)));
   return packed(std::move(list));
 }
 
@@ -740,7 +745,8 @@ std::vector<T> opened(Payload list) {
 }  // namespace
 
 std::vector<RankSummary> Runtime::gather_summaries() {
-  return opened<RankSummary>(implementation_->gather([this] { return list_of(summary()); }, append));
+  return opened<RankSummary>(
+      implementation_->gather([this] { return list_of(std::optional(summary())); }, append));
 }
 
 std::vector<RankTimeline> Runtime::gather_timelines() {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -153,13 +154,16 @@ class Runtime {
 
   /// What this rank did in all runs so far.
   RankSummary summary() const;
-  RankTimeline timeline() const;
+  /// None where this rank keeps no spans.
+  std::optional<RankTimeline> timeline() const;
+  /// Nanoseconds to add to this rank's times to get rank 0's, by the latest comparison of their clocks.
+  std::int64_t clock_offset() const;
 
   // At rank 0, up a binary tree by point-to-point messages; elsewhere empty. All ranks must call it.
 
   /// The summaries of all ranks, summed on the way: rank 0 gets no more than any other.
   RunSummary gather_sums();
-  /// The summaries and timelines themselves, by rank.
+  /// The summaries of all ranks, and the timelines of those that keep spans, by rank.
   std::vector<RankSummary> gather_summaries();
   std::vector<RankTimeline> gather_timelines();
 

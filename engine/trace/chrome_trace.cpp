@@ -152,7 +152,11 @@ class Writer {
 
   void write(std::span<const RankTimeline> ranks) {
     out_ << "{\"displayTimeUnit\":\"ns\",\"traceEvents\":[";
-    for (const RankTimeline& rank : ranks) write(rank);
+    const auto shown = static_cast<int>(ranks.size());
+    for (const RankTimeline& rank : ranks)
+      write(rank, &rank == ranks.data() && shown < annotations_.ranks
+                      ? fmt::format(" ({} of {} ranks are shown)", shown, annotations_.ranks)
+                      : "");
     for (const auto& [to, links] : links_to_)
       for (const std::size_t link : links) write_start_of_link(link);
     flush();
@@ -175,10 +179,10 @@ class Writer {
     text_.clear();
   }
 
-  void write(const RankTimeline& rank) {
+  void write(const RankTimeline& rank, const std::string& remark) {
     pid_ = rank.rank.value;
     offset_ = rank.clock_offset;
-    name("process", 0, fmt::format("rank {}", pid_), pid_);
+    name("process", 0, fmt::format("rank {}{}", pid_, remark), pid_);
     const Labels labels(rank.method_names);
     for (std::size_t tid = 0; tid < rank.lanes.size(); ++tid) write(rank.lanes[tid], tid, labels);
     // Only now: each slice that an arrow starts in is there.

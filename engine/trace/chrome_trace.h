@@ -64,6 +64,7 @@ struct Annotations {
     std::uint32_t name = 0;  ///< in `names`
   };
 
+  int ranks = 0;  ///< of the run; where fewer are shown, the name of the first says so
   /// What objects are called, as "subdomain", and the number by which users know one; none: it has only its
   /// id.
   std::string object_kind = "object";

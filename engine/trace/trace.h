@@ -132,10 +132,19 @@ class BoundedLog {
 };
 
 struct TraceOptions {
-  bool spans = false;  ///< keep spans and departures, for a timeline; counters are always kept
+  bool spans = false;   ///< keep spans and departures, for a timeline; counters are always kept
+  int most_ranks = 64;  ///< that keep them, evenly spread over those of the run: see keeps_spans()
   /// Of spans (40 bytes each), and as many departures (16 bytes each).
   std::size_t max_spans_per_lane = std::size_t{1} << 20;
 };
+
+/// Whether a rank of a run of so many keeps spans; rank 0 does. The others do not even record them: a lane
+/// may have 60 MB, which would all go to rank 0.
+constexpr bool keeps_spans(Rank rank, int ranks, const TraceOptions& options) {
+  if (!options.spans || rank.value == 0 || ranks <= options.most_ranks) return options.spans;
+  const auto spread = [&](std::int64_t r) { return r * options.most_ranks / ranks; };
+  return spread(rank.value) > spread(rank.value - 1);
+}
 
 /// The record of one thread, or of a place that several take in turn. Written by one thread at a time,
 /// without locks; read when the threads rest. What it writes shares no cache line with other lanes. Recording

@@ -74,7 +74,7 @@ std::vector<NodeSum> sums_of(const GraphDescription& graph, const ExecutionLog& 
 ExecutionLog gather_log(RankExchange& exchange, ExecutionLog mine) {
   engine::Runtime& runtime = exchange.runtime();
   runtime.gather_sums();  // compares the clocks
-  engine::TimePoint offset = runtime.timeline().clock_offset;
+  engine::TimePoint offset = runtime.clock_offset();
   std::vector<engine::Payload> to_each(static_cast<std::size_t>(runtime.ranks()));
   engine::Packer packer(true);
   packer(offset, mine);

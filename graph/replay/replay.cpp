@@ -168,7 +168,7 @@ void act(Shared& shared, engine::Transport& transport, Replayed& result) {
     }
   });
   result.engine.ranks.push_back(runtime.summary());
-  if (shared.options.timelines) result.timelines.push_back(runtime.timeline());
+  if (auto timeline = runtime.timeline()) result.timelines.push_back(*std::move(timeline));
 }
 
 /// Puts runs in the order of their begins, as in every dump.

@@ -25,7 +25,7 @@ struct ReplayOptions {
 
 struct Replayed {
   engine::RunSummary engine;
-  std::vector<engine::RankTimeline> timelines;  ///< of all ranks, where asked for
+  std::vector<engine::RankTimeline> timelines;  ///< where asked for, by rank; not of each of many
   dataflow::GraphDump graph;                    ///< the recorded one with the times and ranks of the replay
   engine::SimulationResult simulation;
   double seconds = 0;                       ///< from the first task's begin to the last one's end

@@ -71,6 +71,16 @@ TEST(ChromeTrace, NamesRanksAndThreads) {
   EXPECT_EQ((threads[{1, 1}]), "worker 0");
 }
 
+TEST(ChromeTrace, SaysWhereNotAllRanksAreShown) {
+  Annotations annotations;
+  annotations.ranks = 160;
+  const std::string some = written({rank_with(0, {}), rank_with(2, {})}, annotations);
+  EXPECT_NE(some.find("\"rank 0 (2 of 160 ranks are shown)\""), std::string::npos) << some;
+  EXPECT_NE(some.find("\"rank 2\""), std::string::npos);
+  annotations.ranks = 2;
+  EXPECT_EQ(written({rank_with(0, {}), rank_with(1, {})}, annotations).find("are shown"), std::string::npos);
+}
+
 TEST(ChromeTrace, WritesMicrosecondsSinceTheFirstEventWithoutLosingNanoseconds) {
   const TimePoint start = 1'700'000'000'123'456'789;
   const std::string text =

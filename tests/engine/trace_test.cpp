@@ -155,6 +155,24 @@ TEST(Lane, ALimitOfNothingKeepsNothing) {
   EXPECT_EQ(lane.spans().dropped(), 1u);
 }
 
+TEST(Trace, OfManyRanksSomeKeepSpansEvenlySpread) {
+  for (const int ranks : {1, 2, 7, 8, 9, 160, 4096}) {
+    const TraceOptions options{.spans = true, .most_ranks = 8};
+    std::vector<int> keeping;
+    for (int r = 0; r < ranks; ++r)
+      if (Trace(Rank(r), ranks, 0, options).keeps_spans()) keeping.push_back(r);
+    ASSERT_EQ(keeping.size(), static_cast<std::size_t>(std::min(ranks, 8)));
+    EXPECT_EQ(keeping.front(), 0);
+    keeping.push_back(ranks);
+    for (std::size_t i = 1; i < keeping.size(); ++i)
+      EXPECT_LE(keeping[i] - keeping[i - 1], (ranks + 7) / 8) << ranks;
+  }
+  Trace other(Rank(1), 9, 1, {.spans = true, .most_ranks = 1});
+  other.worker_lane(0).span(compute(0, 0, 5));
+  EXPECT_EQ(other.worker_lane(0).spans().size(), 0u);
+  EXPECT_EQ(other.worker_lane(0).time(Activity::compute).total, 5) << "counters go on";
+}
+
 TEST(Trace, ThreadsRecordSideBySide) {  // for the thread sanitizer
   Trace trace(Rank(0), 2, 4, {.spans = true});
   std::vector<std::thread> threads;

@@ -355,11 +355,14 @@ class Changed(unittest.TestCase):
     def summary(self, engine=None, **of_report):
         """The text of the first view, where report and engine say so."""
         sample = self.sample.profile
-        profile = sample | {"report": sample["report"] | of_report, "engine": sample["engine"] | (engine or {})}
+        self.open(sample | {"report": sample["report"] | of_report, "engine": sample["engine"] | (engine or {})})
+        return self.browser.run("document.getElementById('view-summary').innerText")
+
+    def open(self, profile):
         (self.sample.path / "changed.json").write_text(json.dumps(profile))
         subprocess.run([WEFT, "report", "changed.json", "-o", "changed.html"], cwd=self.sample.path, check=True, timeout=60)
+        self.browser.console.clear()
         self.browser.open(self.sample.path / "changed.html")
-        return self.browser.run("document.getElementById('view-summary').innerText")
 
     def test_a_limit_is_no_interruption_by_the_user(self):
         limited = self.summary(goal_met=False, interrupted=True, ended_by="time limit", goals_missed=["ended by its time limit"])
@@ -371,6 +374,29 @@ class Changed(unittest.TestCase):
         text = self.summary(engine={"peak_rss": {"sum": 0, "max": 0}}, peak_memory_bytes=123_000_000)
         self.assertIn("123 MB", text)
         self.assertNotIn("on a rank", text)
+
+
+    def test_tasks_on_ranks_without_rows_have_their_details(self):
+        profile = json.loads(json.dumps(self.sample.profile))
+        timeline, runs = profile["timeline"], profile["graph"]["runs"]
+        timeline["lanes"] = [lane for lane in timeline["lanes"] if lane["rank"] == 0]
+        timeline["of_run"] = [None if rank else lane for rank, lane in zip(runs["rank"], timeline["of_run"])]
+        self.open(profile)
+        browser = self.browser
+        browser.run("document.getElementById('tab-timeline').click()")
+        browser.settle()
+        self.assertIn("of 1 of 2 ranks", browser.run("document.getElementById('timeline-status').textContent"))
+        self.assertEqual(browser.run("Number(document.getElementById('timeline').dataset.visible)"), runs["rank"].count(0))
+        browser.run("document.getElementById('only-critical').click()")
+        browser.run("document.getElementById('timeline').focus()")
+        shown = []
+        for _ in profile["graph"]["critical_path"]["runs"]:
+            browser.key("n")
+            browser.settle()
+            shown.append(browser.run("document.getElementById('task').innerText"))
+        self.assertTrue(any("rank 1, which has no row" in text for text in shown))
+        self.assertTrue(any("rank 0, worker" in text for text in shown))
+        self.assertEqual(browser.console, [])
 
 
 class Comparison(unittest.TestCase):

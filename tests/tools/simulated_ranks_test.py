@@ -56,6 +56,27 @@ class Simulated(Subdomains):
             self.assertEqual(*sent)
             self.assertGreater(sum(method["messages"] for method in sent[0].values()), 100)
 
+    def test_of_many_ranks_64_have_a_timeline(self):
+        self.box(4)
+        self.run_on(0, *self.WORDS, "--subdomains", 140, "--simulate-ranks", 70, "--force", "--trace", "t.json", "--balancer", "none", expect=(0, 1))
+        profile = json.loads((self.folder / "r/profile.json").read_text())
+        self.assertEqual(len(profile["ranks"]), 70)
+        lanes, of_run = profile["timeline"]["lanes"], profile["timeline"]["of_run"]
+        shown = {lane["rank"] for lane in lanes}
+        ran = set(profile["graph"]["runs"]["rank"])
+        self.assertEqual(ran, set(range(70)))
+        self.assertEqual(len(shown), 64)
+        self.assertIn(0, shown)
+        for rank, lane in zip(profile["graph"]["runs"]["rank"], of_run):
+            self.assertEqual(lane is not None and lanes[lane]["rank"], rank in shown and rank)
+        events = json.loads((self.folder / "t.json").read_text())["traceEvents"]
+        names = {e["pid"]: e["args"]["name"] for e in events if e["name"] == "process_name"}
+        self.assertEqual(set(names), shown)
+        self.assertEqual(names[0], "rank 0 (64 of 70 ranks are shown)")
+        self.assertEqual({e["pid"] for e in events}, shown)
+        numbers = {e["args"]["subdomain"] for e in events if e.get("cat") == "node"}
+        self.assertTrue(numbers <= {i["number"] for i in profile["graph"]["instances"]})
+
     def test_a_slower_network_takes_longer(self):
         self.box(4)
         fast, slow = (self.simulate(8, "--simulate-network", network)[0]["seconds"]["adapt"] for network in ("1us,10GB/s", "20ms,1GB/s"))

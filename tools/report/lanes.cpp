@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <tuple>
 
 namespace weft::report {
@@ -84,7 +85,8 @@ void sort_by_rank(Lanes& lanes) {
     sorted.push_back(lanes.lanes[order[i]]);
   }
   lanes.lanes = std::move(sorted);
-  for (std::uint32_t& lane : lanes.of_run) lane = old_to_new[lane];
+  for (std::optional<std::uint32_t>& lane : lanes.of_run)
+    if (lane) lane = old_to_new[*lane];
 }
 
 }  // namespace
@@ -92,12 +94,20 @@ void sort_by_rank(Lanes& lanes) {
 Lanes lanes_of(const GraphDump& graph, std::span<const engine::RankTimeline> timelines, TimePoint start) {
   Lanes lanes;
   HandlersOf handlers;
-  for (const engine::RankTimeline& timeline : timelines) add_lanes(timeline, start, lanes, handlers);
+  std::set<engine::Rank> shown;
+  for (const engine::RankTimeline& timeline : timelines) {
+    shown.insert(timeline.rank);
+    add_lanes(timeline, start, lanes, handlers);
+  }
   for (auto& [key, list] : handlers)
     std::sort(list.entries.begin(), list.entries.end(),
               [](const auto& a, const auto& b) { return a.begin < b.begin; });
   Rows rows(lanes);
   for (const DumpedRun& run : graph.runs) {
+    if (!shown.empty() && !shown.contains(run.rank)) {
+      lanes.of_run.push_back(std::nullopt);
+      continue;
+    }
     const auto found = handlers.find({run.rank, graph.instances[run.instance].object});
     std::uint32_t lane = found == handlers.end() ? kNone : found->second.lane_at(run.begin);
     if (lane == kNone) lane = rows.row_for(run);

@@ -249,7 +249,9 @@ Json operation_of_nodes_json(const GraphDump& graph) {
 Json lanes_json(const Lanes& lanes) {
   Json list = Json::array();
   for (const Lane& lane : lanes.lanes) list.push_back({{"rank", lane.rank.value}, {"name", lane.name}});
-  return {{"lanes", list}, {"of_run", lanes.of_run}};
+  Json of_run = Json::array();
+  for (const auto& lane : lanes.of_run) of_run.push_back(lane ? Json(*lane) : Json());
+  return {{"lanes", list}, {"of_run", of_run}};
 }
 
 void put_graph(const ProfileInput& input, const ProfileOptions& options, Json& json) {

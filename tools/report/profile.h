@@ -39,7 +39,7 @@ struct ProfileInput {
   std::string case_name = {};                         ///< the user's; see published.h
   const engine::RunSummary* engine = nullptr;         ///< of the adaptation
   const graph::dataflow::GraphDump* graph = nullptr;  ///< executed
-  std::vector<engine::RankTimeline> timelines = {};   ///< of all ranks
+  std::vector<engine::RankTimeline> timelines = {};   ///< of the ranks to show; none: all
   engine::TimePoint start = 0;  ///< what the graph's times count from, on rank 0's clock
   std::vector<Hardware> hardware = {};
   std::vector<MemorySamples> memory = {};

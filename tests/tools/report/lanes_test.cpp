@@ -36,7 +36,8 @@ void expect_rows(const GraphDump& graph, const Lanes& lanes) {
   ASSERT_EQ(lanes.of_run.size(), graph.runs.size());
   std::map<std::uint32_t, engine::TimePoint> free_at;
   for (std::size_t r = 0; r < graph.runs.size(); ++r) {
-    const std::uint32_t lane = lanes.of_run[r];
+    ASSERT_TRUE(lanes.of_run[r]);
+    const std::uint32_t lane = *lanes.of_run[r];
     EXPECT_EQ(lanes.lanes.at(lane).rank, graph.runs[r].rank);
     EXPECT_LE(free_at[lane], graph.runs[r].begin);
     free_at[lane] = graph.runs[r].end;
@@ -75,6 +76,20 @@ TEST(Lanes, AreAsFewRowsAsHoldAllRunsWhereNothingIsKnownOfWorkers) {
   expect_rows(run.graph, lanes);
   EXPECT_LE(lanes.lanes.size(), 6u);  // that is how many workers there were
   EXPECT_EQ(lanes.lanes.front().name, "row 0");
+}
+
+TEST(Lanes, AreNoneOfRanksWithoutATimelineWhereOthersHaveOne) {
+  ExampleRun run = run_of({.subdomains = 13, .ranks = 3, .workers = 2, .rounds = 3});
+  std::erase_if(run.simulated.timelines, [](const auto& timeline) { return timeline.rank.value == 1; });
+  const Lanes lanes = lanes_of(run.graph, run.simulated.timelines, run.start);
+  EXPECT_EQ(lanes.lanes.size(), 4u);
+  ASSERT_EQ(lanes.of_run.size(), run.graph.runs.size());
+  std::size_t shown = 0;
+  for (std::size_t r = 0; r < run.graph.runs.size(); ++r) {
+    ASSERT_EQ(lanes.of_run[r].has_value(), run.graph.runs[r].rank.value != 1);
+    if (lanes.of_run[r]) EXPECT_EQ(lanes.lanes.at(*lanes.of_run[r]).rank, run.graph.runs[r].rank), ++shown;
+  }
+  EXPECT_LT(shown, run.graph.runs.size());
 }
 
 TEST(Lanes, OfNothingAreNone) { EXPECT_TRUE(lanes_of({}, {}, 0).lanes.empty()); }

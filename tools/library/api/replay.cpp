@@ -197,8 +197,10 @@ Json json_of(const ReplayResult& result, const std::string& path, engine::RunSum
           {"engine", engine::json_of(engine)}};
 }
 
-engine::Annotations annotations_of(const GraphDump& graph) {
+engine::Annotations annotations_of(const graph::replay::Replayed& replayed) {
+  const GraphDump& graph = replayed.graph;
   engine::Annotations annotations;
+  annotations.ranks = replayed.engine.num_ranks;
   annotations.object_kind = graph.description.name;
   std::map<engine::ObjectId, std::uint64_t> numbers;
   for (const auto& instance : graph.instances) numbers[instance.object] = instance.number;
@@ -211,7 +213,7 @@ engine::Annotations annotations_of(const GraphDump& graph) {
 
 void write_trace(const std::string& path, const graph::replay::Replayed& replayed) {
   std::ostringstream text = engine::text_stream();
-  engine::write_chrome_trace(text, replayed.timelines, annotations_of(replayed.graph));
+  engine::write_chrome_trace(text, replayed.timelines, annotations_of(replayed));
   tools::write_text(path, text.str());
 }
 

@@ -48,6 +48,7 @@ namespace fs = std::filesystem;
 Keep what_to_keep(const Files& files) {
   const bool report = !files.report.empty();
   return {.record = report || !files.graph.empty() || !files.trace.empty(),
+          .timelines = (report && files.page) || !files.trace.empty(),
           .plan = !files.graph.empty(),
           .view = report};
 }

@@ -70,7 +70,7 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
   engine.threads = threads_;
   engine.balancer = engine::balancer_by_name(options.distributed.balancer);
   engine.local = &rank_;
-  engine.trace.spans = keep.record;
+  engine.trace.spans = keep.timelines;
   engine.notice = &monitor_.flag();
   engine.name_of = [this](engine::ObjectId id) { return name_of(id); };
   if (options.run.on_state) engine.on_state = options.run.on_state;
@@ -349,7 +349,7 @@ void DistributedRun::gather_statistics(Report& report) {
   engine::RunSummary sums;
   if (keep_.record) {
     log = gather_log(*exchange_, std::move(log));
-    const engine::TimePoint clock_offset = runtime_->timeline().clock_offset;
+    const engine::TimePoint clock_offset = runtime_->clock_offset();
     sums = engine::merge(runtime_->gather_summaries());
     gather_runs(*exchange_, log, clock_offset, rank_.plan, record_);
   } else {

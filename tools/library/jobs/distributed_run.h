@@ -24,9 +24,10 @@ namespace weft::tools {
 
 /// What a run keeps for its account beside figures.
 struct Keep {
-  bool record = false;  ///< timelines, memory
-  bool plan = false;    ///< the planned graph
-  bool view = false;    ///< the mesh, thinned out, for the page
+  bool record = false;     ///< the executed graph, memory
+  bool timelines = false;  ///< beside the record
+  bool plan = false;       ///< the planned graph
+  bool view = false;       ///< the mesh, thinned out, for the page
 };
 
 /// One rank's part of a run. All ranks call the same functions in the same order. What all throw alike are

@@ -67,6 +67,7 @@ void gather_runs(RankExchange& exchange, const graph::dataflow::ExecutionLog& lo
                  engine::TimePoint clock_offset, const graph::adaptation::AdaptationPlan& plan,
                  RunRecord& record) {
   engine::Runtime& runtime = exchange.runtime();
+  record.ranks = runtime.ranks();
   record.timelines = runtime.gather_timelines();
   const std::vector<engine::TimePoint> offsets = gather(exchange, clock_offset);
   if (runtime.rank().value != 0) return;
@@ -175,8 +176,9 @@ engine::Annotations trace_annotations(const RunRecord& record,
                                       const graph::adaptation::AdaptationPlan& plan) {
   using graph::dataflow::EdgeKind;
   const graph::dataflow::GraphDump& graph = record.graph;
-  const int ranks = static_cast<int>(record.timelines.size());
+  const int ranks = record.ranks;
   engine::Annotations annotations;
+  annotations.ranks = ranks;
   annotations.object_kind = graph.description.name;
   annotations.number_of = [plan, ranks](engine::ObjectId object) -> std::optional<std::uint64_t> {
     const auto subdomain = subdomain_of(plan, ranks, object);
@@ -187,7 +189,8 @@ engine::Annotations trace_annotations(const RunRecord& record,
   const report::Lanes lanes = report::lanes_of(graph, record.timelines, record.start);
   for (std::size_t r = 0; r < graph.runs.size(); ++r) {
     const graph::dataflow::DumpedRun& run = graph.runs[r];
-    const auto thread = lanes.lanes[lanes.of_run[r]].thread;
+    const auto lane = lanes.of_run[r];
+    const auto thread = lane ? lanes.lanes[*lane].thread : std::nullopt;
     annotations.steps.push_back({run.rank, thread.value_or(engine::Annotations::Step::kNoLane),
                                  run.begin + record.start, run.end + record.start, run.node,
                                  graph.instances[run.instance].number, run.round});

@@ -31,8 +31,9 @@ graph::dataflow::GraphDump planned_graph(const std::vector<graph::adaptation::Ne
 struct RunRecord {
   graph::dataflow::GraphDump planned;
   graph::dataflow::GraphDump graph;
-  engine::TimePoint start = 0;  ///< what the graph's times count from
-  std::vector<engine::RankTimeline> timelines;
+  engine::TimePoint start = 0;                  ///< what the graph's times count from
+  int ranks = 0;                                ///< of the run
+  std::vector<engine::RankTimeline> timelines;  ///< of the ranks that keep spans
   std::vector<report::Hardware> hardware;
   std::vector<report::MemorySamples> memory;
   report::MeshView mesh;

@@ -1,10 +1,12 @@
-// Every run of a node, in the row of the worker that ran it. Few are drawn one by one; many are added up by pixel.
+// Every run of a node, in the row of the worker that ran it; of many ranks some have rows, and runs of the others none. Few are drawn one by one; many are added up by pixel.
 "use strict";
 (() => {
   const { data, make } = weft;
   if (!data.graph || !data.timeline) return;
   const runs = data.graph.runs, uses = data.graph.uses, nodes = data.graph.graph.nodes, instances = data.graph.instances;
   const count = runs.node.length, lanes = data.timeline.lanes, laneOf = data.timeline.of_run;
+  const hasLane = (r) => laneOf[r] !== null;
+  const ranksOf = (list) => new Set(list).size, ranks = ranksOf(runs.rank), ranksShown = ranksOf(lanes.map((lane) => lane.rank));
   const begin = Float64Array.from(runs.begin_ns), end = begin.map((t, i) => t + runs.duration_ns[i]);
   const operation = Uint8Array.from(runs.node, (n) => data.operation_of_node[n]);
   const wall = end.reduce((a, b) => Math.max(a, b), 1);
@@ -14,7 +16,7 @@
 
   /** The runs of each lane, ascending. */
   const ofLane = lanes.map(() => []);
-  for (let r = 0; r < count; ++r) ofLane[laneOf[r]].push(r);
+  for (let r = 0; r < count; ++r) if (hasLane(r)) ofLane[laneOf[r]].push(r);
   for (const list of ofLane) list.sort((a, b) => begin[a] - begin[b]);
 
   weft.runs = {
@@ -120,6 +122,7 @@
 
   function drawArrow(c, u, colour, width) {
     const a = uses.from[u], b = uses.to[u];
+    if (!hasLane(a) || !hasLane(b)) return;
     const x0 = x(uses.time_ns[u]), y0 = rowY(laneOf[a]) + view.row / 2, x1 = x(begin[b]), y1 = rowY(laneOf[b]) + view.row / 2;
     c.strokeStyle = colour;
     c.lineWidth = width;
@@ -134,6 +137,7 @@
     c.fill();
   }
   function outline(c, r, colour, width) {
+    if (!hasLane(r)) return;
     c.strokeStyle = colour;
     c.lineWidth = width;
     c.strokeRect(x(begin[r]), rowY(laneOf[r]) + 0.5, Math.max(2, x(end[r]) - x(begin[r])), view.row - 1);
@@ -203,7 +207,7 @@
     c.restore();
     drawAxis(c);
     canvas.dataset.visible = visible;
-    status.textContent = `${weft.count(visible)} of ${weft.plural(count, "task")} visible in ${weft.plural(lanes.length, "row")}` + (many ? "; so many are added up by pixel: zoom in to see each." : ".") + (data.uses_left_out ? ` ${weft.count(data.uses_left_out)} small messages were left out of this page.` : "");
+    status.textContent = `${weft.count(visible)} of ${weft.plural(count, "task")} visible in ${weft.plural(lanes.length, "row")}` + (ranksShown < ranks ? ` of ${ranksShown} of ${ranks} ranks` : "") + (many ? "; so many are added up by pixel: zoom in to see each." : ".") + (data.uses_left_out ? ` ${weft.count(data.uses_left_out)} small messages were left out of this page.` : "");
   }
   let waiting = false;
   function later() {
@@ -239,6 +243,7 @@
   function bringIntoView(r) {
     const width = Math.max(view.t1 - view.t0, 3 * (end[r] - begin[r]));
     if (begin[r] < view.t0 || end[r] > view.t1) { view.t0 = (begin[r] + end[r]) / 2 - width / 2; view.t1 = view.t0 + width; }
+    if (!hasLane(r)) return;
     const y = laneOf[r] * view.row;
     if (y < view.y || y + view.row > view.y + plotHeight()) view.y = y - plotHeight() / 2;
   }
@@ -253,7 +258,7 @@
     details.replaceChildren();
     if (r < 0) { details.append(make("p", { class: "note" }, "Choose a task to see what it waited for and who waited for it.")); later(); return; }
     bringIntoView(r);
-    const rows = [["subdomain", instances[runs.instance[r]].number], ["round", runs.round[r]], ["where", `rank ${runs.rank[r]}, ${lanes[laneOf[r]].name}`], ["begin", weft.seconds(begin[r] * 1e-9)], ["took", weft.seconds(runs.duration_ns[r] * 1e-9)]];
+    const rows = [["subdomain", instances[runs.instance[r]].number], ["round", runs.round[r]], ["where", `rank ${runs.rank[r]}, ${hasLane(r) ? lanes[laneOf[r]].name : "which has no row"}`], ["begin", weft.seconds(begin[r] * 1e-9)], ["took", weft.seconds(runs.duration_ns[r] * 1e-9)]];
     if (runs.bytes_received[r]) rows.push(["received", weft.bytes(runs.bytes_received[r])]);
     for (const [name, column] of Object.entries(runs.counters)) if (column[r]) rows.push(name.endsWith(", seconds") ? [name.slice(0, -", seconds".length), weft.seconds(column[r])] : [name, weft.count(column[r])]);
     if (critical[r]) rows.push(["critical path", "yes"]);

@@ -492,7 +492,7 @@ struct Files {
   bool page = true;                 ///< the last two of them
   std::string case_name;            ///< published figures to show beside (published_cases())
   std::string graph;  ///< file for the executed task graph; empty: none. In subdomains, as `trace`
-  std::string trace;  ///< file for a timeline; empty: none
+  std::string trace;  ///< file for a timeline, of more than 64 ranks that of 64; empty: none
   std::vector<std::string> arguments;  ///< of the command line, for the report
 };
 
