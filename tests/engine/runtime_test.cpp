@@ -429,7 +429,7 @@ TEST(Runtime, AccountsForThreadsThatHelp) {
       const TimeSummary& times = summary.times;
       EXPECT_EQ(times.help > 0, threads > 1);
       EXPECT_LE(times.computed() + times.idle, summary.workers * summary.wall * 1.02 + 0.01);
-      const auto lanes = runtime.timeline().lanes;
+      const auto lanes = runtime.timeline().value().lanes;
       const bool has_helper = std::ranges::any_of(
           lanes, [](const LaneTimeline& lane) { return lane.name.starts_with("helper"); });
       EXPECT_EQ(has_helper, threads > 1);
