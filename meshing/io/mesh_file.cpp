@@ -66,13 +66,13 @@ struct Format {
   bool (*is_streamed)(const fs::path&) = nullptr;
   MeshContents (*stream)(const fs::path&, MeshStream&) = nullptr;
   // Where many can write one file: whether they can write this one, what one of them does first, and all do.
-  bool (*in_parts)(const fs::path&) = nullptr;
+  bool (*in_parts)(const fs::path&, const WriteOptions&) = nullptr;
   PartPlaces (*begin_parts)(const fs::path&, const fs::path&, const WholeMesh&) = nullptr;
   std::unique_ptr<PartWriter> (*open_part)(PartTarget, const WholeMesh&, const PartPlaces&) = nullptr;
   bool (*has_short_reals)(const fs::path&) = nullptr;
   // Where many can write one file of text: whether this one, what stands before the rows of its sections, and
   // the rows.
-  bool (*as_text)(const fs::path&) = nullptr;
+  bool (*as_text)(const fs::path&, const WriteOptions&) = nullptr;
   std::vector<std::string> (*text_heads)(const WholeMesh&) = nullptr;
   std::unique_ptr<TextPart> (*open_text_part)(const WholeMesh&, const MeshPart&) = nullptr;
 };
@@ -117,6 +117,22 @@ constexpr unsigned kGmf =
     kTets | kEdges | kCorners | kMarks | kPointRefs | kTetRefs | kTriangleRefs | kAssociation;
 constexpr unsigned kVtu = kTets | kEdges | kCorners | kPointRefs | kTetRefs | kTriangleRefs | kFields;
 bool always(const fs::path&) { return true; }
+bool whatever_options(const fs::path&, const WriteOptions&) { return true; }
+/// Of the file's name alone.
+template <bool (*of_name)(const fs::path&)>
+bool by_name(const fs::path& path, const WriteOptions&) {
+  return of_name(path);
+}
+bool is_ascii(const fs::path&, const WriteOptions& options) {
+  return options.encoding == WriteOptions::Encoding::ascii;
+}
+bool is_binary(const fs::path& path, const WriteOptions& options) { return !is_ascii(path, options); }
+bool is_raw(const fs::path& path, const WriteOptions& options) {
+  return is_binary(path, options) && !options.compress;
+}
+bool is_binary_msh4(const fs::path& path, const WriteOptions& options) {
+  return is_binary(path, options) && options.gmsh_version == 4;
+}
 /// Binary and text alike: what a file is, it says itself.
 constexpr Format gmf_format(std::string_view extension) {
   return {.extension = extension,
@@ -140,7 +156,7 @@ constexpr std::array kFormats = {
            .field_heads = gmsh_field_heads,
            .is_streamed = gmsh_has_no_ranges,
            .stream = stream_gmsh,
-           .in_parts = always,
+           .in_parts = is_binary_msh4,
            .begin_parts = begin_gmsh_parts,
            .open_part = open_gmsh_part},
     Format{.extension = ".ugrid",
@@ -151,11 +167,11 @@ constexpr std::array kFormats = {
            .read_range = read_ugrid_range,
            .is_streamed = is_ascii_ugrid,
            .stream = stream_ugrid,
-           .in_parts = is_binary_ugrid,
+           .in_parts = by_name<is_binary_ugrid>,
            .begin_parts = begin_ugrid_parts,
            .open_part = open_ugrid_part,
            .has_short_reals = has_ugrid_short_reals,
-           .as_text = is_ascii_ugrid,
+           .as_text = by_name<is_ascii_ugrid>,
            .text_heads = ugrid_heads,
            .open_text_part = open_ugrid_text_part},
     Format{.extension = ".su2",
@@ -164,7 +180,7 @@ constexpr std::array kFormats = {
            .write = write_su2,
            .is_streamed = always,
            .stream = stream_su2,
-           .as_text = always,
+           .as_text = whatever_options,
            .text_heads = su2_heads,
            .open_text_part = open_su2_part},
     Format{.extension = ".vtu",
@@ -176,9 +192,12 @@ constexpr std::array kFormats = {
            .piece_sizes = vtu_piece_sizes,
            .read_piece_ranges = read_vtu_piece_ranges,
            .read_piece_fields = read_vtu_piece_fields,
-           .in_parts = always,
+           .in_parts = is_raw,
            .begin_parts = begin_vtu_parts,
-           .open_part = open_vtu_part},
+           .open_part = open_vtu_part,
+           .as_text = is_ascii,
+           .text_heads = vtu_heads,
+           .open_text_part = open_vtu_text_part},
     Format{
         .extension = ".pvtu", .keeps = kVtu, .read = read_pvtu, .write = write_pvtu, .sources = pvtu_sources},
     Format{.extension = ".cgns",
@@ -191,7 +210,7 @@ constexpr std::array kFormats = {
            .piece_sizes = by_cgns<&CgnsPart::piece_sizes>,
            .read_piece_ranges = by_cgns<&CgnsPart::read_piece_ranges>,
            .read_piece_fields = by_cgns<&CgnsPart::read_piece_fields>,
-           .in_parts = always,
+           .in_parts = whatever_options,
            .begin_parts = by_cgns<&CgnsPart::begin_parts>,
            .open_part = open_cgns},
     Format{".stl", kTriangleRefs, read_surface<read_stl>, write_stl},
@@ -356,9 +375,9 @@ void write_mesh_contents(const fs::path& path, const MeshView& contents, const W
   format_of(path).write(path, contents, options);
 }
 
-bool can_be_written_in_parts(const fs::path& path) {
+bool can_be_written_in_parts(const fs::path& path, const WriteOptions& options) {
   const Format& format = format_of(path);
-  return format.in_parts && format.in_parts(path);
+  return format.in_parts && format.in_parts(path, options);
 }
 
 PartPlaces begin_parts(const fs::path& file, const fs::path& name, const WholeMesh& whole) {
@@ -375,9 +394,9 @@ bool has_short_reals(const fs::path& path) {
   return format.has_short_reals && format.has_short_reals(path);
 }
 
-bool can_be_written_as_text(const fs::path& path) {
+bool can_be_written_as_text(const fs::path& path, const WriteOptions& options) {
   const Format& format = format_of(path);
-  return format.as_text && format.as_text(path);
+  return format.as_text && format.as_text(path, options);
 }
 
 std::vector<std::string> text_heads(const fs::path& name, const WholeMesh& whole) {

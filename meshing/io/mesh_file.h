@@ -89,8 +89,8 @@ void write_mesh_contents(const std::filesystem::path& path, const MeshView& cont
                          const WriteOptions& options = {});
 
 /// Whether several writers can write the file, each its part of the mesh: binary UGRID, .msh, .vtu, .cgns.
-/// (GMF files have a writer of their own, GmfSliceWriter.)
-bool can_be_written_in_parts(const std::filesystem::path& path);
+/// (GMF files have a writer of their own, GmfSliceWriter.) `options`: WholeMesh::options.
+bool can_be_written_in_parts(const std::filesystem::path& path, const WriteOptions& options = {});
 /// By one of the writers, before the others: lays the file out, and writes all that is no row. `file` exists,
 /// and becomes `name` when all have written: the bytes are those of write_mesh_contents().
 PartPlaces begin_parts(const std::filesystem::path& file, const std::filesystem::path& name,
@@ -102,7 +102,7 @@ bool has_short_reals(const std::filesystem::path& path);
 
 /// The same of text, whose rows have no places until their length is known: whether several writers can write
 /// the file, section by section.
-bool can_be_written_as_text(const std::filesystem::path& path);
+bool can_be_written_as_text(const std::filesystem::path& path, const WriteOptions& options = {});
 /// What stands before the rows of each section of such a file; it is followed by the rows (TextPart) of all
 /// parts in their order: the bytes are those of write_mesh_contents().
 std::vector<std::string> text_heads(const std::filesystem::path& name, const WholeMesh& whole);

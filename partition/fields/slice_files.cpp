@@ -237,13 +237,14 @@ void write_fields_of_slices(Peers& peers, const MeshSlice& slice, const meshing:
   write_as_gmf(peers, file, *plan, [&](GmfSliceWriter& out) { out.solution(slice.first_point, fields); });
 }
 
-bool can_write_slices(const std::filesystem::path& mesh) {
-  return meshing::gmf::is_mesh(mesh) || meshing::can_be_written_in_parts(mesh) ||
-         meshing::can_be_written_as_text(mesh);
+bool can_write_slices(const std::filesystem::path& mesh, const meshing::WriteOptions& options) {
+  return meshing::gmf::is_mesh(mesh) || meshing::can_be_written_in_parts(mesh, options) ||
+         meshing::can_be_written_as_text(mesh, options);
 }
 
 void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
-                          const meshing::RefNames& names, const std::filesystem::path& file) {
+                          const meshing::RefNames& names, const std::filesystem::path& file,
+                          const meshing::WriteOptions& options) {
   if (meshing::gmf::is_mesh(file)) {
     const MarkRanges marks = mark_ranges(peers, slice.boundary);
     std::optional<GmfPlan> plan;
@@ -254,10 +255,12 @@ void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::S
   const meshing::SolutionData none;
   const meshing::SolutionData& inside = meshing::holds_fields(file) ? fields : none;
   FirstRows first;
-  const WholeMesh whole = describe_slices(peers, slice, inside, names, first);
-  if (!meshing::can_be_written_as_text(file)) return write_in_parts(peers, slice, inside, whole, first, file);
+  WholeMesh whole = describe_slices(peers, slice, inside, names, first);
+  whole.options = options;
+  if (!meshing::can_be_written_as_text(file, options))
+    return write_in_parts(peers, slice, inside, whole, first, file);
   CommonText text(file, whole, [&](const PartAction& action) {
-    with_part(slice, none, first,
+    with_part(slice, inside, first,
               [&](const meshing::MeshPart& part) { action(static_cast<std::uint64_t>(peers.rank()), part); });
   });
   text.create(peers);

@@ -178,7 +178,8 @@ class CommonMesh {
         return std::array{mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]};
       };
       meshing::refuse_if_rounding_breaks(own_entities(share_.pieces[p], numbers).points, numbers.first.points,
-                                         mesh.tets.size(), numbers.first.tets, corners, file_.name().string());
+                                         mesh.tets.size(), numbers.first.tets, corners,
+                                         file_.name().string());
     }
   }
 

@@ -89,22 +89,24 @@ class OtherCommands(Subdomains):
         self.weft("metric", "a.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
         self.weft("convert", "a.meshb", "b.lb8.ugrid")
         (self.folder / "b.mapbc").write_text("1\n1 4000 skin\n")
-        for turn, (source, out) in enumerate((
+        for turn, (source, out, *words) in enumerate((
                 ("a.meshb", "o.vtu"), ("a.meshb", "o.msh"), ("a.meshb", "o.su2"), ("a.meshb", "o.mesh"), ("a.meshb", "o.ugrid"),
-                ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"), ("b.lb8.ugrid", "o.msh"), ("b.lb8.ugrid", "p.ugrid"))):
-            self.command_on(0, "convert", source, out, "--sol", "f.solb")
+                ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"), ("b.lb8.ugrid", "o.msh"), ("b.lb8.ugrid", "p.ugrid"),
+                ("a.meshb", "o.vtu", "--encoding", "ascii"), ("a.meshb", "o.b4.ugrid"))):
+            words += "--sol", "f.solb"
+            self.command_on(0, "convert", source, out, *words)
             expected, told, files = self.bytes_of(out), None, self.files()
             for ranks in (1, 3) if LONG or turn == 0 else (3,):
                 (self.folder / out).unlink()
                 (self.folder / "p.mapbc").unlink(missing_ok=True)
-                done = self.command_on(ranks, "convert", source, out, "--sol", "f.solb")
-                self.assertEqual(self.bytes_of(out), expected, f"{source} to {out} on {ranks} ranks")
+                done = self.command_on(ranks, "convert", source, out, *words)
+                self.assertEqual(self.bytes_of(out), expected, f"{source} to {out} {words} on {ranks} ranks")
                 self.assertEqual(self.files(), files)
                 self.assertNotIn("alone", done.stderr)
                 told = told or done.stdout
                 self.assertEqual(done.stdout, told)
-            self.assertEqual(self.command_on(0, "convert", source, out, "--sol", "f.solb").stdout, told)
-        done = self.command_on(2, "convert", "a.meshb", "o.msh", "--encoding", "ascii")
+            self.assertEqual(self.command_on(0, "convert", source, out, *words).stdout, told)
+        done = self.command_on(2, "convert", "a.meshb", "o.vtu", "--compress")
         self.assertEqual(done.stderr.count("rank 0 alone does `weft convert`"), 1, done.stderr)
 
     def pieces(self):

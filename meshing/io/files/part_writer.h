@@ -34,7 +34,8 @@ struct WholeMesh {
   bool point_refs = false;      ///< any is not 0
   Point low, high;              ///< the box of the points
   RefNames names;
-  SolutionData fields;  ///< their kinds and names, no values
+  SolutionData fields;   ///< their kinds and names, no values
+  WriteOptions options;  ///< of the file
 
   std::uint64_t num_tets() const { return sum_of(tets); }
   std::uint64_t num_triangles() const { return sum_of(triangles); }

@@ -26,7 +26,8 @@ struct TextInMemory {
 template <class Out = AtomicFile>
 class TextOutput {
  public:
-  explicit TextOutput(Out& file) : file_(file) {}
+  /// `line_begins`: it does not go on with a line.
+  explicit TextOutput(Out& file, bool line_begins = true) : file_(file), line_begins_(line_begins) {}
 
   /// A whole line.
   void line(std::string_view text) {
@@ -55,7 +56,7 @@ class TextOutput {
 
  private:
   Out& file_;
-  bool line_begins_ = true;
+  bool line_begins_;
 };
 
 }  // namespace weft::meshing

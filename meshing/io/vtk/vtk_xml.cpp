@@ -309,6 +309,24 @@ std::string opening(const std::string& type, bool compress) {
 std::string appended_at(std::uint64_t offset) {
   return " format=\"appended\" offset=\"" + std::to_string(offset) + "\"/>";
 }
+constexpr std::string_view kBeginAscii = " format=\"ascii\">\n", kEndAscii = "\n</DataArray>\n";
+
+template <class Out>
+void write_text_values(Out& out, const std::string& type, std::span<const std::byte> values,
+                       std::uint64_t offset) {
+  with_type(type, [&](auto example) {
+    using Stored = decltype(example);
+    constexpr std::uint64_t kPerLine = 12;
+    std::uint64_t number = offset / sizeof(Stored);
+    TextOutput text(out, number % kPerLine == 0);
+    for (std::size_t at = 0; at < values.size(); at += sizeof(Stored)) {
+      const auto value = load<Stored>(reinterpret_cast<const char*>(values.data()) + at, false);
+      // A byte would be written as a character.
+      text.number(static_cast<std::conditional_t<sizeof(Stored) == 1, int, Stored>>(value));
+      if (++number % kPerLine == 0) text.end_line();
+    }
+  });
+}
 
 }  // namespace
 
@@ -337,6 +355,26 @@ std::uint64_t VtkPlan::position(std::size_t array) const {
 }
 
 std::string VtkPlan::tail() { return "\n</AppendedData>\n" + std::string(kEnd); }
+
+VtkTextHeads::VtkTextHeads(const std::string& type) : heads_{opening(type, false)} {}
+
+void VtkTextHeads::array(const std::string& type, const std::string& name, int num_components,
+                         int num_sections, const std::string& last) {
+  heads_.back() += VtkPlan::attributes(type, name, num_components) + std::string(kBeginAscii);
+  heads_.resize(heads_.size() + static_cast<std::size_t>(num_sections));
+  heads_.back() = last + std::string(kEndAscii);
+}
+
+std::vector<std::string> VtkTextHeads::finish() {
+  heads_.back() += kEnd;
+  return std::move(heads_);
+}
+
+std::string vtk_text(const std::string& type, std::span<const std::byte> values, std::uint64_t offset) {
+  TextInMemory text;
+  write_text_values(text, type, values, offset);
+  return std::move(text.text);
+}
 
 VtkWriter::VtkWriter(const std::filesystem::path& path, const std::string& type, const WriteOptions& options)
     : file_(path),
@@ -385,26 +423,16 @@ void VtkWriter::finish() {
 
 void VtkWriter::write_ascii() {
   file_.write(opening(type_, false));
-  TextOutput text(file_);
   for (const Item& item : items_) {
+    file_.write(item.xml);
     if (!item.make) {
-      text.line(item.xml);
+      file_.write("\n");
       continue;
     }
-    text.line(item.xml + " format=\"ascii\">");
+    file_.write(kBeginAscii);
     const std::vector<char> data = item.make();
-    with_type(item.type, [&](auto example) {
-      using Stored = decltype(example);
-      constexpr std::size_t kPerLine = 12;
-      for (std::size_t i = 0; i * sizeof(Stored) < data.size(); ++i) {
-        const auto value = load<Stored>(data.data() + i * sizeof(Stored), false);
-        // A byte would be written as a character.
-        text.number(static_cast<std::conditional_t<sizeof(Stored) == 1, int, Stored>>(value));
-        if (i % kPerLine == kPerLine - 1) text.end_line();
-      }
-    });
-    text.end_line();
-    text.line("</DataArray>");
+    write_text_values(file_, item.type, std::as_bytes(std::span(data)), 0);
+    file_.write(kEndAscii);
   }
   file_.write(kEnd);
 }

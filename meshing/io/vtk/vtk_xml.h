@@ -1,11 +1,13 @@
 // VTK's XML files: the document, and the arrays in it as text, base64 or raw bytes, also compressed.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <pugixml.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -117,6 +119,25 @@ class VtkPlan {
   std::vector<std::uint64_t> sizes_;
   std::uint64_t offset_ = 0;
 };
+
+/// What stands around the values of a document whose arrays are text: a head in front of each section of
+/// values, and one behind the last.
+class VtkTextHeads {
+ public:
+  explicit VtkTextHeads(const std::string& type);
+
+  void text(const std::string& line) { heads_.back() += line + "\n"; }
+  /// The values of an array, in so many sections, and `last` ones as text.
+  void array(const std::string& type, const std::string& name, int num_components, int num_sections,
+             const std::string& last);
+  std::vector<std::string> finish();
+
+ private:
+  std::vector<std::string> heads_;
+};
+
+/// Values of an array as text; the first of them is at byte `offset` of the array.
+std::string vtk_text(const std::string& type, std::span<const std::byte> values, std::uint64_t offset);
 
 /// Writes a document whose arrays come in the order in which they are described.
 class VtkWriter {

@@ -8,7 +8,9 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -572,6 +574,66 @@ class PiecePlan {
   std::vector<std::pair<PieceArray, std::size_t>> arrays_;
 };
 
+/// action(rows of one kind of cells, the number of cells of other kinds before these, that of their vertices,
+/// VTK's type).
+template <class Action>
+void for_cells(const PieceShape& shape, const MeshPart& part, const Action& action) {
+  action(part.tets, std::uint64_t{0}, std::uint64_t{0}, kTetra);
+  action(part.triangles, shape.tets, 4 * shape.tets, kTriangle);
+  action(part.edges, shape.tets + shape.triangles, 4 * shape.tets + 3 * shape.triangles, kLine);
+}
+constexpr int kCellSections = 3;
+
+/// The rows of one part in the order of the file: emit(array, its number among those of the kind, the byte of
+/// the array where they begin, what makes them).
+template <class Emit>
+void for_rows(const PieceShape& shape, const MeshPart& part, const Emit& emit) {
+  emit(PieceArray::points, 0, part.first_point * sizeof(Point), [&] { return part.points; });
+  for_cells(shape, part, [&]<std::size_t N>(const ElementRows<N>& rows, auto, auto nodes, auto) {
+    emit(PieceArray::connectivity, 0, (nodes + N * rows.first) * sizeof(std::uint64_t),
+         [&] { return rows.elements; });
+  });
+  for_cells(shape, part, [&]<std::size_t N>(const ElementRows<N>& rows, auto before, auto nodes, auto) {
+    emit(PieceArray::offsets, 0, (before + rows.first) * sizeof(std::uint64_t), [&] {
+      std::vector<std::uint64_t> ends(rows.elements.size());
+      for (std::uint64_t i = 0; i < ends.size(); ++i) ends[i] = nodes + N * (rows.first + i + 1);
+      return ends;
+    });
+  });
+  for_cells(shape, part, [&](const auto& rows, auto before, auto, std::uint8_t type) {
+    emit(PieceArray::types, 0, before + rows.first,
+         [&] { return std::vector<std::uint8_t>(rows.elements.size(), type); });
+  });
+  for_cells(shape, part, [&](const auto& rows, auto before, auto, auto) {
+    emit(PieceArray::refs, 0, (before + rows.first) * sizeof(std::int32_t), [&] { return rows.refs; });
+  });
+  if (shape.point_refs)
+    emit(PieceArray::point_refs, 0, part.first_point * sizeof(std::int32_t), [&] { return part.point_refs; });
+  for (std::size_t i = 0; i < part.fields.fields.size(); ++i) {
+    const Field& field = part.fields.fields[i];
+    emit(PieceArray::field, i,
+         part.first_point * static_cast<std::uint64_t>(components(field.kind)) * sizeof(double),
+         [&] { return field_bytes(field); });
+  }
+}
+
+/// The rows of corners, behind all others of the arrays of cells: emit(array, first byte, rows).
+template <class Emit>
+void for_corners(const PieceShape& shape, const std::vector<WholeMesh::Corner>& corners, const Emit& emit) {
+  const std::uint64_t first = shape.cells() - corners.size(), first_node = shape.nodes() - corners.size();
+  std::vector<std::uint64_t> points, ends;
+  std::vector<std::int32_t> refs;
+  for (const WholeMesh::Corner& corner : corners) {
+    points.push_back(corner.point);
+    ends.push_back(first_node + ends.size() + 1);
+    refs.push_back(corner.ref);
+  }
+  emit(PieceArray::connectivity, first_node * sizeof(std::uint64_t), points);
+  emit(PieceArray::offsets, first * sizeof(std::uint64_t), ends);
+  emit(PieceArray::types, first, std::vector<std::uint8_t>(corners.size(), kVertex));
+  emit(PieceArray::refs, first * sizeof(std::int32_t), refs);
+}
+
 /// Rows of one part, at their places.
 class VtuPartWriter final : public PartWriter {
  public:
@@ -579,42 +641,35 @@ class VtuPartWriter final : public PartWriter {
       : file_(std::move(target)), shape_(shape_of(whole)), plan_(shape_) {}
 
   void write(const MeshPart& part) override {
-    write_at(PieceArray::points, 0, part.first_point * sizeof(Point), part.points);
-    if (shape_.point_refs)
-      write_at(PieceArray::point_refs, 0, part.first_point * sizeof(std::int32_t), part.point_refs);
-    write_cells(part.tets, 0, 0, kTetra);
-    write_cells(part.triangles, shape_.tets, 4 * shape_.tets, kTriangle);
-    write_cells(part.edges, shape_.tets + shape_.triangles, 4 * shape_.tets + 3 * shape_.triangles, kLine);
-    for (std::size_t i = 0; i < part.fields.fields.size(); ++i) {
-      const Field& field = part.fields.fields[i];
-      const std::uint64_t row = static_cast<std::uint64_t>(components(field.kind)) * sizeof(double);
-      write_at(PieceArray::field, i, part.first_point * row, std::span<const char>(field_bytes(field)));
-    }
+    for_rows(shape_, part, [&](PieceArray array, std::size_t index, std::uint64_t offset, const auto& make) {
+      write_at(array, index, offset, make());
+    });
   }
   void finish() override { file_.finish(); }
 
+  /// All but the rows of parts: text, lengths of arrays, and corners.
+  void write_frame(const std::vector<WholeMesh::Corner>& corners) {
+    const VtkPlan& plan = plan_.plan();
+    file_.seek(0);
+    file_.write(plan.head());
+    for (std::size_t i = 0; i < plan.num_arrays(); ++i) {
+      file_.seek(plan.position(i) - sizeof(std::uint64_t));
+      file_.write_value(plan.bytes(i));
+    }
+    file_.seek(plan.position(plan.num_arrays() - 1) + plan.bytes(plan.num_arrays() - 1));
+    file_.write(VtkPlan::tail());
+    for_corners(shape_, corners, [&](PieceArray array, std::uint64_t offset, const auto& rows) {
+      write_at(array, 0, offset, rows);
+    });
+  }
+
  private:
-  template <class T>
-  void write_at(PieceArray array, std::size_t index, std::uint64_t offset, std::span<const T> values) {
+  template <class Rows>
+  void write_at(PieceArray array, std::size_t index, std::uint64_t offset, const Rows& rows) {
+    const std::span values(rows);
     if (values.empty()) return;
     file_.seek(plan_.position(array, index) + offset);
     file_.write(values.data(), values.size_bytes());
-  }
-
-  /// `before`, `nodes_before`: cells of other kinds in front of these, and their vertices.
-  template <std::size_t N>
-  void write_cells(const ElementRows<N>& rows, std::uint64_t before, std::uint64_t nodes_before,
-                   VtkCell type) {
-    const std::uint64_t first = before + rows.first, count = rows.elements.size();
-    write_at(PieceArray::connectivity, 0, (nodes_before + N * rows.first) * sizeof(std::uint64_t),
-             rows.elements);
-    std::vector<std::int64_t> ends(count);
-    for (std::uint64_t i = 0; i < count; ++i)
-      ends[i] = static_cast<std::int64_t>(nodes_before + N * (rows.first + i + 1));
-    write_at(PieceArray::offsets, 0, first * sizeof(std::int64_t), std::span<const std::int64_t>(ends));
-    const std::vector<std::uint8_t> types(count, type);
-    write_at(PieceArray::types, 0, first, std::span<const std::uint8_t>(types));
-    write_at(PieceArray::refs, 0, first * sizeof(std::int32_t), rows.refs);
   }
 
   FilePart file_;
@@ -622,31 +677,49 @@ class VtuPartWriter final : public PartWriter {
   PiecePlan plan_;
 };
 
-/// All but the rows: text, lengths of arrays, and corners.
-void write_frame(FilePart& out, const WholeMesh& whole) {
-  const PieceShape shape = shape_of(whole);
-  const PiecePlan piece(shape);
-  const VtkPlan& plan = piece.plan();
-  out.seek(0);
-  out.write(plan.head());
-  for (std::size_t i = 0; i < plan.num_arrays(); ++i) {
-    out.seek(plan.position(i) - sizeof(std::uint64_t));
-    out.write_value(plan.bytes(i));
+/// A file of one piece as text: what is not of a part, and the types of arrays.
+struct PieceText {
+  explicit PieceText(const WholeMesh& whole) : shape(shape_of(whole)) {
+    describe_piece(shape, heads,
+                   [&](PieceArray array, std::size_t, const char* type, const std::string& name, int length,
+                       std::uint64_t) {
+                     types[array] = type;
+                     std::string corners;
+                     int sections = 1;
+                     for_corners(shape, whole.corners,
+                                 [&](PieceArray of, std::uint64_t offset, const auto& rows) {
+                                   if (of != array) return;
+                                   sections = kCellSections;
+                                   corners = vtk_text(type, std::as_bytes(std::span(rows)), offset);
+                                 });
+                     heads.array(type, name, length, sections, corners);
+                   });
   }
-  out.seek(plan.position(plan.num_arrays() - 1) + plan.bytes(plan.num_arrays() - 1));
-  out.write(VtkPlan::tail());
-  const std::uint64_t first = shape.cells() - shape.corners, first_node = shape.nodes() - shape.corners;
-  const auto rows = [&](PieceArray array, std::uint64_t offset, const auto& value) {
-    out.seek(piece.position(array) + offset);
-    for (std::uint64_t i = 0; i < whole.corners.size(); ++i) out.write_value(value(i));
-  };
-  rows(PieceArray::connectivity, first_node * sizeof(std::uint64_t),
-       [&](std::uint64_t i) { return whole.corners[i].point; });
-  rows(PieceArray::offsets, first * sizeof(std::uint64_t),
-       [&](std::uint64_t i) { return first_node + i + 1; });
-  rows(PieceArray::types, first, [&](std::uint64_t) { return std::uint8_t{kVertex}; });
-  rows(PieceArray::refs, first * sizeof(std::int32_t), [&](std::uint64_t i) { return whole.corners[i].ref; });
-}
+
+  PieceShape shape;
+  VtkTextHeads heads{"UnstructuredGrid"};
+  std::map<PieceArray, std::string> types;
+};
+
+class VtuTextPart final : public TextPart {
+ public:
+  VtuTextPart(const WholeMesh& whole, const MeshPart& part) : piece_(whole), part_(part) {}
+
+  std::string rows(std::size_t section) const override {
+    std::string text;
+    std::size_t next = 0;
+    for_rows(piece_.shape, part_, [&](PieceArray array, std::size_t, std::uint64_t offset, const auto& make) {
+      if (next++ != section) return;
+      const auto rows = make();
+      text = vtk_text(piece_.types.at(array), std::as_bytes(std::span(rows)), offset);
+    });
+    return text;
+  }
+
+ private:
+  PieceText piece_;
+  const MeshPart& part_;
+};
 
 std::vector<pugi::xml_node> pieces_of(const VtkDocument& document) {
   const auto pieces = document.grid().children("Piece");
@@ -794,14 +867,20 @@ void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents
 
 PartPlaces begin_vtu_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                            const WholeMesh& whole) {
-  FilePart out({file, name.string()});
-  write_frame(out, whole);
+  VtuPartWriter out({file, name.string()}, whole);
+  out.write_frame(whole.corners);
   out.finish();
   return {};
 }
 
 std::unique_ptr<PartWriter> open_vtu_part(PartTarget target, const WholeMesh& whole, const PartPlaces&) {
   return std::make_unique<VtuPartWriter>(std::move(target), whole);
+}
+
+std::vector<std::string> vtu_heads(const WholeMesh& whole) { return PieceText(whole).heads.finish(); }
+
+std::unique_ptr<TextPart> open_vtu_text_part(const WholeMesh& whole, const MeshPart& part) {
+  return std::make_unique<VtuTextPart>(whole, part);
 }
 
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options) {

@@ -37,12 +37,17 @@ PieceRanges read_vtu_piece_ranges(const std::filesystem::path& path, std::span<c
 std::vector<MeshContents> read_vtu_piece_fields(const std::filesystem::path& path,
                                                 std::span<const PieceRange> ranges);
 
-// The same file, but for being neither compressed nor ASCII, by several writers: one lays it out and writes
-// all that is no row, then each writes its rows.
+// The same file, neither compressed nor ASCII, by several writers: one lays it out and writes all that is no
+// row, then each writes its rows.
 PartPlaces begin_vtu_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                            const WholeMesh& whole);
 std::unique_ptr<PartWriter> open_vtu_part(PartTarget target, const WholeMesh& whole,
                                           const PartPlaces& places);
+
+// An ASCII file, by several writers: what stands before the rows of each section, and the rows of a part,
+// which must outlive it.
+std::vector<std::string> vtu_heads(const WholeMesh& whole);
+std::unique_ptr<TextPart> open_vtu_text_part(const WholeMesh& whole, const MeshPart& part);
 
 /// A number for every cell: tets, triangles, edges and corners, in this order.
 struct CellData {

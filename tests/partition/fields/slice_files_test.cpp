@@ -89,17 +89,30 @@ void for_ranks_and_shares(const Action& action) {
 }
 
 TEST(SliceFiles, HaveTheBytesOfTheWholeMesh) {
-  for (const char* name : {"m.su2", "m.vtu", "m.msh", "m.lb8.ugrid", "m.b4.ugrid", "m.ugrid", "m.meshb", "m.mesh"})
+  constexpr auto kAscii = meshing::WriteOptions::Encoding::ascii;
+  struct Case {
+    const char* name;
+    meshing::WriteOptions options = {};
+  };
+  for (const auto& [name, options] : {Case{"m.su2"},
+                                      {"m.vtu"},
+                                      {"m.vtu", {.encoding = kAscii}},
+                                      {"m.msh"},
+                                      {"m.lb8.ugrid"},
+                                      {"m.b4.ugrid"},
+                                      {"m.ugrid"},
+                                      {"m.meshb"},
+                                      {"m.mesh"}})
     for (const MeshContents& contents : {named_box(), empty_mesh()}) {
       SCOPED_TRACE(name);
       const TemporaryDirectory expected;
-      meshing::write_mesh_contents(expected / name, contents);
+      meshing::write_mesh_contents(expected / name, contents, options);
       for_ranks_and_shares([&](int ranks, unsigned seed) {
         const TemporaryDirectory directory;
         for (const auto& thrown :
              write_on(ranks, seed, contents, [&](auto&peers, auto&slice, auto&&fields, auto&&names) {
                peers.set_most_writers(1 + static_cast<int>(seed) % 3);
-               write_mesh_of_slices(peers, slice, fields, names, directory / name);
+               write_mesh_of_slices(peers, slice, fields, names, directory / name, options);
              }))
           EXPECT_FALSE(thrown);
         EXPECT_TRUE(files_of(directory.path()) == files_of(expected.path()));
@@ -111,7 +124,8 @@ TEST(SliceFiles, AreRefusedWhereRoundingBreaksATet) {
   MeshContents box = named_box();
   const auto first = static_cast<std::uint32_t>(box.mesh.points.size());
   const double small = 1e-12;
-  for (const meshing::Point& p : {meshing::Point{1, 1, 1}, {1 + small, 1, 1}, {1, 1 + small, 1}, {1, 1, 1 + small}})
+  for (const meshing::Point& p :
+       {meshing::Point{1, 1, 1}, {1 + small, 1, 1}, {1, 1 + small, 1}, {1, 1, 1 + small}})
     box.mesh.points.push_back(p);
   box.mesh.tets.push_back({first, first + 1, first + 2, first + 3});
   box.complete();

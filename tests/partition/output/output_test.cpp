@@ -218,8 +218,8 @@ TEST_P(WritePiecesAs, NothingButEmptyPiecesMakeAnEmptyMesh) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, WritePiecesAs,
-                         testing::Values("m.lb8.ugrid", "m.b8.ugrid", "m.lb8l.ugrid", "m.lb4.ugrid", "m.b4.ugrid",
-                                         "m.vtu", "m.msh", "m.su2", "m.ugrid", "m.mesh"));
+                         testing::Values("m.lb8.ugrid", "m.b8.ugrid", "m.lb8l.ugrid", "m.lb4.ugrid",
+                                         "m.b4.ugrid", "m.vtu", "m.msh", "m.su2", "m.ugrid", "m.mesh"));
 
 TEST(WritePieces, WhatRoundingBreaksIsRefusedByAll) {
   CutMesh cut = random_cut(3);
@@ -230,7 +230,8 @@ TEST(WritePieces, WhatRoundingBreaksIsRefusedByAll) {
     const auto hands = deal(cut.pieces, 3, 3);
     run_on_ranks(3, [&](Peers& peers) {
       meshing::expect_contains(
-          meshing::message_of([&] { write_pieces(peers, hands[peers.rank()], directory / "m.b4.ugrid"); }), issue);
+          meshing::message_of([&] { write_pieces(peers, hands[peers.rank()], directory / "m.b4.ugrid"); }),
+          issue);
     });
     EXPECT_EQ(directory.num_entries(), 0u);
     for (MeshPiece& piece : cut.pieces)

@@ -182,13 +182,6 @@ namespace {
 
 bool is_pvtu(const std::string& file) { return std::filesystem::path(file).extension() == ".pvtu"; }
 
-/// Whether the options leave the format as it is by itself.
-bool is_plain(const WriteOptions& options) {
-  const WriteOptions plain;
-  return options.encoding == plain.encoding && options.gmsh_version == plain.gmsh_version &&
-         options.compress == plain.compress;
-}
-
 /// Fields of the input itself, and of a file beside it.
 Fields fields_to_convert(Peers& peers, const std::string& input, const std::string& solution,
                          const MeshSlice& slice, std::vector<Dropped>& dropped) {
@@ -218,7 +211,7 @@ bool can_convert_on_ranks(const std::string& input, const std::string& solution,
     return (pieces || !meshing::holds_fields(input)) &&
            (pieces || meshing::can_be_streamed(input) || meshing::size_for_ranges(input)) &&
            !meshing::has_association(input) && (solution.empty() || tools::fields_in_ranges(solution)) &&
-           (is_pvtu(output) || (is_plain(options) && partition::can_write_slices(output)));
+           (is_pvtu(output) || partition::can_write_slices(output, options));
   } catch (const InputError&) {  // that whoever reads the file whole tells once
     return false;
   }
@@ -248,7 +241,7 @@ ConvertedOnRanks convert_on_ranks(const std::string& input, const std::string& s
       if (of_pieces.pieces == 0) of_pieces.pieces = std::max(2, peers.ranks());
       return partition::write_slices_as_pvtu(peers, slice, fields, output, of_pieces);
     }
-    partition::write_mesh_of_slices(peers, slice, fields, share.names, output);
+    partition::write_mesh_of_slices(peers, slice, fields, share.names, output, options);
     if (beside) partition::write_fields_of_slices(peers, slice, fields, file);
     partition::agree_on(peers, [&] {
       if (has_mapbc && peers.rank() == 0) meshing::copy_mapbc(input, output);
