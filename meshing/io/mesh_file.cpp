@@ -73,7 +73,7 @@ struct Format {
   // Where many can write one file of text: whether this one, what stands before the rows of its sections, and
   // the rows.
   bool (*as_text)(const fs::path&, const WriteOptions&) = nullptr;
-  std::vector<std::string> (*text_heads)(const WholeMesh&) = nullptr;
+  std::vector<std::string> (*text_heads)(const fs::path&, const WholeMesh&) = nullptr;
   std::unique_ptr<TextPart> (*open_text_part)(const WholeMesh&, const MeshPart&) = nullptr;
 };
 
@@ -130,8 +130,10 @@ bool is_binary(const fs::path& path, const WriteOptions& options) { return !is_a
 bool is_raw(const fs::path& path, const WriteOptions& options) {
   return is_binary(path, options) && !options.compress;
 }
-bool is_binary_msh4(const fs::path& path, const WriteOptions& options) {
-  return is_binary(path, options) && options.gmsh_version == 4;
+/// Of the mesh alone.
+template <std::vector<std::string> (*of_mesh)(const WholeMesh&)>
+std::vector<std::string> heads(const fs::path&, const WholeMesh& whole) {
+  return of_mesh(whole);
 }
 /// Binary and text alike: what a file is, it says itself.
 constexpr Format gmf_format(std::string_view extension) {
@@ -156,9 +158,12 @@ constexpr std::array kFormats = {
            .field_heads = gmsh_field_heads,
            .is_streamed = gmsh_has_no_ranges,
            .stream = stream_gmsh,
-           .in_parts = is_binary_msh4,
+           .in_parts = is_binary,
            .begin_parts = begin_gmsh_parts,
-           .open_part = open_gmsh_part},
+           .open_part = open_gmsh_part,
+           .as_text = is_ascii,
+           .text_heads = gmsh_heads,
+           .open_text_part = open_gmsh_text_part},
     Format{.extension = ".ugrid",
            .keeps = kTets | kTetRefs | kTriangleRefs,
            .read = read_ugrid,
@@ -172,7 +177,7 @@ constexpr std::array kFormats = {
            .open_part = open_ugrid_part,
            .has_short_reals = has_ugrid_short_reals,
            .as_text = by_name<is_ascii_ugrid>,
-           .text_heads = ugrid_heads,
+           .text_heads = heads<ugrid_heads>,
            .open_text_part = open_ugrid_text_part},
     Format{.extension = ".su2",
            .keeps = kTets | kTriangleRefs | kNames,
@@ -181,7 +186,7 @@ constexpr std::array kFormats = {
            .is_streamed = always,
            .stream = stream_su2,
            .as_text = whatever_options,
-           .text_heads = su2_heads,
+           .text_heads = heads<su2_heads>,
            .open_text_part = open_su2_part},
     Format{.extension = ".vtu",
            .keeps = kVtu,
@@ -196,7 +201,7 @@ constexpr std::array kFormats = {
            .begin_parts = begin_vtu_parts,
            .open_part = open_vtu_part,
            .as_text = is_ascii,
-           .text_heads = vtu_heads,
+           .text_heads = heads<vtu_heads>,
            .open_text_part = open_vtu_text_part},
     Format{
         .extension = ".pvtu", .keeps = kVtu, .read = read_pvtu, .write = write_pvtu, .sources = pvtu_sources},
@@ -400,7 +405,7 @@ bool can_be_written_as_text(const fs::path& path, const WriteOptions& options) {
 }
 
 std::vector<std::string> text_heads(const fs::path& name, const WholeMesh& whole) {
-  return format_of(name).text_heads(whole);
+  return format_of(name).text_heads(name, whole);
 }
 
 std::unique_ptr<TextPart> open_text_part(const fs::path& name, const WholeMesh& whole, const MeshPart& part) {

@@ -92,7 +92,8 @@ class OtherCommands(Subdomains):
         for turn, (source, out, *words) in enumerate((
                 ("a.meshb", "o.vtu"), ("a.meshb", "o.msh"), ("a.meshb", "o.su2"), ("a.meshb", "o.mesh"), ("a.meshb", "o.ugrid"),
                 ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"), ("b.lb8.ugrid", "o.msh"), ("b.lb8.ugrid", "p.ugrid"),
-                ("a.meshb", "o.vtu", "--encoding", "ascii"), ("a.meshb", "o.b4.ugrid"))):
+                ("a.meshb", "o.vtu", "--encoding", "ascii"), ("b.lb8.ugrid", "o.msh", "--encoding", "ascii"),
+                ("a.meshb", "o.msh", "--msh-version", "2.2"), ("a.meshb", "o.b4.ugrid"))):
             words += "--sol", "f.solb"
             self.command_on(0, "convert", source, out, *words)
             expected, told, files = self.bytes_of(out), None, self.files()

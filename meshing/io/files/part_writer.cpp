@@ -44,4 +44,20 @@ WholeMesh describe(const MeshView& contents) {
   return whole;
 }
 
+MeshRows<std::uint32_t> all_rows(const MeshView& contents) {
+  const MeshData& mesh = contents.mesh;
+  const auto from_first = [](const std::vector<std::int32_t>& refs) {
+    RefCounts counts = count_refs(refs);
+    for (auto& [ref, first] : counts) first = 0;
+    return counts;
+  };
+  return {0,
+          mesh.points,
+          mesh.point_refs,
+          {mesh.tets, mesh.tet_refs, 0, from_first(mesh.tet_refs)},
+          {mesh.triangles, mesh.triangle_refs, 0, from_first(mesh.triangle_refs)},
+          {mesh.edges, mesh.edge_refs, 0, from_first(mesh.edge_refs)},
+          contents.fields};
+}
+
 }  // namespace weft::meshing

@@ -46,24 +46,30 @@ struct WholeMesh {
 WholeMesh describe(const MeshView& contents);
 
 /// Elements of one kind; vertices by their 0-based numbers in the whole mesh.
-template <std::size_t N>
+template <std::size_t N, class Index = std::uint64_t>
 struct ElementRows {
-  std::span<const std::array<std::uint64_t, N>> elements;
+  std::span<const std::array<Index, N>> elements;
   std::span<const std::int32_t> refs;
   std::uint64_t first = 0;   ///< number of the first in the whole mesh
   RefCounts first_with_ref;  ///< of each reference: its number among those with the same reference
 };
 
-/// One part: rows that follow one another in the whole mesh.
-struct MeshPart {
+/// Rows that follow one another in the whole mesh.
+template <class Index>
+struct MeshRows {
   std::uint64_t first_point = 0;
   std::span<const Point> points;
   std::span<const std::int32_t> point_refs;
-  ElementRows<4> tets;
-  ElementRows<3> triangles;
-  ElementRows<2> edges;
+  ElementRows<4, Index> tets;
+  ElementRows<3, Index> triangles;
+  ElementRows<2, Index> edges;
   const SolutionData& fields;  ///< at these points
 };
+
+/// One part.
+using MeshPart = MeshRows<std::uint64_t>;
+/// All rows of a mesh that lies whole in memory.
+MeshRows<std::uint32_t> all_rows(const MeshView& contents);
 
 /// Which elements have a reference, in their order, and the place of the first of them among all that have
 /// it.
@@ -71,8 +77,8 @@ struct RefRows {
   std::uint64_t first;
   std::vector<std::uint32_t> indices;
 };
-template <std::size_t N>
-std::map<std::int32_t, RefRows> rows_by_ref(const ElementRows<N>& rows) {
+template <std::size_t N, class Index>
+std::map<std::int32_t, RefRows> rows_by_ref(const ElementRows<N, Index>& rows) {
   std::map<std::int32_t, RefRows> result;
   for (std::uint32_t i = 0; i < rows.refs.size(); ++i) result[rows.refs[i]].indices.push_back(i);
   for (auto& [ref, of_ref] : result) of_ref.first = rows.first_with_ref.at(ref);

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,9 +28,14 @@ namespace fs = std::filesystem;
 template <class Out>
 class MshOutput {
  public:
-  MshOutput(Out& out, int version, bool binary) : out_(out), text_(out), version_(version), binary_(binary) {}
+  MshOutput(Out& out, const WriteOptions& options)
+      : out_(out),
+        text_(out),
+        version_(options.gmsh_version),
+        binary_(options.encoding != WriteOptions::Encoding::ascii) {}
 
   Out& out() { return out_; }
+  int version() const { return version_; }
   bool is_binary() const { return binary_; }
   void line(std::string_view text) { text_.line(text); }
   void integer(std::int32_t value) { binary_ ? out_.write_value(value) : text_.number(value); }
@@ -102,9 +108,9 @@ void write_values(MshOutput<Out>& out, const Field& field, std::size_t point) {
 }
 
 template <class Out>
-void write_format(MshOutput<Out>& out, int version) {
+void write_format(MshOutput<Out>& out) {
   out.line("$MeshFormat");
-  out.line(std::string(version == 4 ? "4.1" : "2.2") + (out.is_binary() ? " 1 8" : " 0 8"));
+  out.line(std::string(out.version() == 4 ? "4.1" : "2.2") + (out.is_binary() ? " 1 8" : " 0 8"));
   if (out.is_binary()) {
     out.out().write_value(std::int32_t{1});
     out.out().write("\n");
@@ -123,7 +129,42 @@ void write_names(MshOutput<Out>& out, const RefNames& names) {
   out.line("$EndPhysicalNames");
 }
 
-/// Node data; rows.field(i) writes the rows of field `i`.
+/// Of version 4.1.
+template <class Out, std::size_t N, class Index>
+void write_element4(MshOutput<Out>& out, std::uint64_t number, const std::array<Index, N>& nodes) {
+  out.size(number);
+  for (const Index node : nodes) out.size(std::uint64_t{node} + 1);
+  out.end_row();
+}
+
+/// Of version 2.2.
+template <class Out, std::size_t N, class Index>
+void write_element2(MshOutput<Out>& out, std::uint64_t number, std::int32_t ref, std::int32_t tag,
+                    const std::array<Index, N>& nodes) {
+  constexpr std::array<std::int32_t, 5> kTypes = {0, gmsh::kPoint, gmsh::kLine, gmsh::kTriangle,
+                                                  gmsh::kTetrahedron};
+  out.size(number);
+  if (!out.is_binary()) {
+    out.integer(kTypes[N]);
+    out.integer(2);  // tags
+  }
+  out.integer(ref);
+  out.integer(tag);
+  for (const Index node : nodes) out.size(std::uint64_t{node} + 1);
+  out.end_row();
+}
+
+/// Rows that follow one another in a file.
+struct Section {
+  enum class Kind { node_tags, points, nodes, elements, field };
+  Kind kind;
+  std::size_t index = 0;                     ///< vertices of the elements, or the field
+  std::optional<std::int32_t> ref = {};      ///< of all the elements (4.1), which have those of any (2.2)
+  std::uint64_t number = 0;                  ///< of the first element
+  std::uint64_t position = 0, row_size = 0;  ///< in a binary file
+};
+
+/// Node data; rows(section) writes the rows of one, or leaves room for them.
 template <class Out, class Rows>
 void write_fields(MshOutput<Out>& out, const std::string& name, const WholeMesh& whole, Rows& rows) {
   const auto& fields = whole.fields.fields;
@@ -132,13 +173,12 @@ void write_fields(MshOutput<Out>& out, const std::string& name, const WholeMesh&
   for (std::size_t i = 0; i < fields.size(); ++i) {
     out.line("$NodeData\n1\n" + quoted_name(field_name(whole.fields, i)) + "\n1\n0\n3\n0");
     out.line(std::to_string(row_length(fields[i])) + "\n" + std::to_string(whole.points));
-    rows.field(i);
+    rows({Section::Kind::field, i});
     out.end_section("$EndNodeData");
   }
 }
 
-/// A file of version 4.1. `rows` writes rows, or leaves room for them: node_tags(), points(),
-/// elements<N>(dimension, ref, number of the first), field(i).
+/// A file of version 4.1; `rows` as in write_fields().
 template <class Out, class Rows>
 class File4 {
  public:
@@ -146,7 +186,7 @@ class File4 {
       : out_(out), whole_(whole), tags_(entity_tags(whole)), rows_(rows) {}
 
   void write(const std::string& name) {
-    write_format(out_, 4);
+    write_format(out_);
     write_names(out_, names());
     write_entities();
     write_nodes();
@@ -210,8 +250,8 @@ class File4 {
       out_.size(n);
       out_.end_row();
     }
-    rows_.node_tags();
-    rows_.points();
+    rows_({Section::Kind::node_tags});
+    rows_({Section::Kind::points});
     out_.end_section("$EndNodes");
   }
 
@@ -227,9 +267,9 @@ class File4 {
       out_.size(corner.point + 1);
       out_.end_row();
     }
-    write_blocks<2>(1, gmsh::kLine, whole_.edges);
-    write_blocks<3>(2, gmsh::kTriangle, whole_.triangles);
-    write_blocks<4>(3, gmsh::kTetrahedron, whole_.tets);
+    write_blocks(1, gmsh::kLine, whole_.edges);
+    write_blocks(2, gmsh::kTriangle, whole_.triangles);
+    write_blocks(3, gmsh::kTetrahedron, whole_.tets);
     out_.end_section("$EndElements");
   }
 
@@ -241,11 +281,10 @@ class File4 {
     out_.end_row();
   }
 
-  template <std::size_t N>
   void write_blocks(std::size_t dimension, std::int32_t type, const RefCounts& refs) {
     for (const auto& [ref, count] : refs) {
       begin_block(static_cast<std::int32_t>(dimension), tags_[dimension].at(ref), type, count);
-      rows_.template elements<N>(ref, number_);
+      rows_({Section::Kind::elements, dimension + 1, ref, number_});
       number_ += count;
     }
   }
@@ -257,142 +296,131 @@ class File4 {
   std::uint64_t number_ = 1;  ///< of the next element
 };
 
-template <class Out, std::size_t N, class Index>
-void write_element(MshOutput<Out>& out, std::uint64_t number, const std::array<Index, N>& nodes) {
-  out.size(number);
-  for (const Index node : nodes) out.size(std::uint64_t{node} + 1);
-  out.end_row();
-}
-
-/// The rows of a mesh that lies whole in memory.
-class WholeRows {
- public:
-  WholeRows(MshOutput<AtomicFile>& out, const MeshView& contents)
-      : out_(out),
-        mesh_(contents.mesh),
-        fields_(contents.fields),
-        edges_(indices_by_ref(mesh_.edge_refs)),
-        triangles_(indices_by_ref(mesh_.triangle_refs)),
-        tets_(indices_by_ref(mesh_.tet_refs)) {}
-
-  void node_tags() {
-    for (std::size_t i = 1; i <= mesh_.points.size(); ++i) {
-      out_.size(i);
-      out_.end_row();
-    }
-  }
-  void points() {
-    for (const Point& p : mesh_.points) {
-      out_.point(p);
-      out_.end_row();
-    }
-  }
-  template <std::size_t N>
-  void elements(std::int32_t ref, std::uint64_t number) {
-    if constexpr (N == 2) write(mesh_.edges, edges_.at(ref), number);
-    if constexpr (N == 3) write(mesh_.triangles, triangles_.at(ref), number);
-    if constexpr (N == 4) write(mesh_.tets, tets_.at(ref), number);
-  }
-  void field(std::size_t i) {
-    for (std::size_t p = 0; p < mesh_.points.size(); ++p) {
-      out_.integer(static_cast<std::int32_t>(p + 1));
-      write_values(out_, fields_.fields[i], p);
-      out_.end_row();
-    }
-  }
-
- private:
-  template <class Elements>
-  void write(const Elements& elements, const std::vector<std::uint32_t>& indices, std::uint64_t number) {
-    for (const std::uint32_t i : indices) write_element(out_, number++, elements[i]);
-  }
-
-  MshOutput<AtomicFile>& out_;
-  const MeshData& mesh_;
-  const SolutionData& fields_;
-  std::map<std::int32_t, std::vector<std::uint32_t>> edges_, triangles_, tets_;
-};
-
-/// A file of version 2.2: no entities, one row an element whatever its reference.
+/// A file of version 2.2: no entities, one row an element whatever its reference. `rows` as in
+/// write_fields().
+template <class Out, class Rows>
 class File2 {
  public:
-  File2(MshOutput<AtomicFile>& out, const MeshView& contents, const WholeMesh& whole)
-      : out_(out), contents_(contents), mesh_(contents.mesh), whole_(whole), tags_(entity_tags(whole)) {}
+  File2(MshOutput<Out>& out, const WholeMesh& whole, Rows& rows) : out_(out), whole_(whole), rows_(rows) {}
 
   void write(const std::string& name) {
     if (std::max(num_elements(whole_), whole_.points) >
         static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()))
       throw InputError(name, "", "too large for MSH 2.2: write 4.1");
-    write_format(out_, 2);
+    write_format(out_);
     write_names(out_, whole_.names);
     write_nodes();
     write_elements();
-    WholeRows rows(out_, contents_);
-    write_fields(out_, name, whole_, rows);
+    write_fields(out_, name, whole_, rows_);
   }
 
  private:
   void write_nodes() {
     out_.line("$Nodes");
-    out_.line(std::to_string(mesh_.points.size()));
-    for (std::size_t i = 0; i < mesh_.points.size(); ++i) {
-      out_.size(i + 1);
-      out_.point(mesh_.points[i]);
-      out_.end_row();
-    }
+    out_.line(std::to_string(whole_.points));
+    rows_({Section::Kind::nodes});
     out_.end_section("$EndNodes");
   }
 
   void write_elements() {
     out_.line("$Elements");
     out_.line(std::to_string(num_elements(whole_)));
-    begin(gmsh::kPoint, mesh_.corners.size());
-    for (std::size_t i = 0; i < mesh_.corners.size(); ++i) {
-      const std::uint32_t corner = mesh_.corners[i];
-      write_element(gmsh::kPoint, mesh_.point_refs[corner], static_cast<std::int32_t>(i + 1),
-                    std::array<std::uint32_t, 1>{corner});
+    begin(gmsh::kPoint, whole_.corners.size());
+    for (const WholeMesh::Corner& corner : whole_.corners) {
+      write_element2(out_, number_, corner.ref, static_cast<std::int32_t>(number_), std::array{corner.point});
+      ++number_;
     }
-    write_elements(gmsh::kLine, mesh_.edges, mesh_.edge_refs, tags_[1]);
-    write_elements(gmsh::kTriangle, mesh_.triangles, mesh_.triangle_refs, tags_[2]);
-    write_elements(gmsh::kTetrahedron, mesh_.tets, mesh_.tet_refs, tags_[3]);
+    write_elements(1, gmsh::kLine, whole_.num_edges());
+    write_elements(2, gmsh::kTriangle, whole_.num_triangles());
+    write_elements(3, gmsh::kTetrahedron, whole_.num_tets());
     out_.end_section("$EndElements");
   }
 
-  template <class Elements>
-  void write_elements(std::int32_t type, const Elements& elements, const std::vector<std::int32_t>& refs,
-                      const std::map<std::int32_t, std::int32_t>& tags) {
-    begin(type, elements.size());
-    for (std::size_t i = 0; i < elements.size(); ++i)
-      write_element(type, refs[i], tags.at(refs[i]), elements[i]);
+  void write_elements(std::size_t dimension, std::int32_t type, std::uint64_t count) {
+    begin(type, count);
+    rows_({Section::Kind::elements, dimension + 1, std::nullopt, number_});
+    number_ += count;
   }
 
-  void begin(std::int32_t type, std::size_t count) {
+  void begin(std::int32_t type, std::uint64_t count) {
     if (!out_.is_binary() || count == 0) return;
     out_.integer(type);
     out_.integer(static_cast<std::int32_t>(count));
     out_.integer(2);  // tags
   }
 
-  template <std::size_t N>
-  void write_element(std::int32_t type, std::int32_t ref, std::int32_t tag,
-                     const std::array<std::uint32_t, N>& nodes) {
-    out_.size(++last_);
-    if (!out_.is_binary()) {
-      out_.integer(type);
-      out_.integer(2);
-    }
-    out_.integer(ref);
-    out_.integer(tag);
-    for (const std::uint32_t node : nodes) out_.size(std::uint64_t{node} + 1);
-    out_.end_row();
+  MshOutput<Out>& out_;
+  const WholeMesh& whole_;
+  Rows& rows_;
+  std::uint64_t number_ = 1;  ///< of the next element
+};
+
+template <class Out, class Rows>
+void write_file(MshOutput<Out>& out, const std::string& name, const WholeMesh& whole, Rows& rows) {
+  out.version() == 4 ? File4(out, whole, rows).write(name) : File2(out, whole, rows).write(name);
+}
+
+/// The rows of a mesh or of a part of it, in any section.
+template <class Index>
+class SectionRows {
+ public:
+  SectionRows(const WholeMesh& whole, const MeshRows<Index>& rows) : rows_(rows), tags_(entity_tags(whole)) {
+    if (whole.options.gmsh_version != 4) return;
+    by_ref_[2] = rows_by_ref(rows.edges);
+    by_ref_[3] = rows_by_ref(rows.triangles);
+    by_ref_[4] = rows_by_ref(rows.tets);
   }
 
-  MshOutput<AtomicFile>& out_;
-  const MeshView& contents_;
-  const MeshData& mesh_;
-  const WholeMesh& whole_;
+  /// The place of the first one among those of the whole mesh.
+  std::uint64_t first(const Section& section) const {
+    if (section.kind != Section::Kind::elements) return rows_.first_point;
+    if (section.ref) {
+      const auto found = by_ref_[section.index].find(*section.ref);
+      return found == by_ref_[section.index].end() ? 0 : found->second.first;
+    }
+    return section.index == 2   ? rows_.edges.first
+           : section.index == 3 ? rows_.triangles.first
+                                : rows_.tets.first;
+  }
+
+  template <class Out>
+  void write(MshOutput<Out>& out, const Section& section) const {
+    if (section.kind == Section::Kind::elements) {
+      if (section.index == 2) write_elements(out, section, rows_.edges);
+      if (section.index == 3) write_elements(out, section, rows_.triangles);
+      if (section.index == 4) write_elements(out, section, rows_.tets);
+      return;
+    }
+    for (std::size_t p = 0; p < rows_.points.size(); ++p) {
+      const std::uint64_t number = rows_.first_point + p + 1;
+      if (section.kind == Section::Kind::node_tags || section.kind == Section::Kind::nodes) out.size(number);
+      if (section.kind == Section::Kind::points || section.kind == Section::Kind::nodes)
+        out.point(rows_.points[p]);
+      if (section.kind == Section::Kind::field) {
+        out.integer(static_cast<std::int32_t>(number));
+        write_values(out, rows_.fields.fields[section.index], p);
+      }
+      out.end_row();
+    }
+  }
+
+ private:
+  template <class Out, std::size_t N>
+  void write_elements(MshOutput<Out>& out, const Section& section, const ElementRows<N, Index>& rows) const {
+    std::uint64_t number = section.number + first(section);
+    if (!section.ref) {
+      for (std::size_t i = 0; i < rows.elements.size(); ++i)
+        write_element2(out, number++, rows.refs[i], tags_[N - 1].at(rows.refs[i]), rows.elements[i]);
+      return;
+    }
+    const auto found = by_ref_[N].find(*section.ref);
+    if (found == by_ref_[N].end()) return;
+    for (const std::uint32_t i : found->second.indices) write_element4(out, number++, rows.elements[i]);
+  }
+
+  const MeshRows<Index>& rows_;
   EntityTags tags_;
-  std::uint64_t last_ = 0;  ///< number of the last element
+  std::array<std::map<std::int32_t, RefRows>, 5> by_ref_;  ///< by the number of vertices; of version 4.1
 };
 
 // ---- by many
@@ -426,113 +454,111 @@ class Gapped {
   std::uint64_t position_ = 0;
 };
 
-/// Elements of one reference.
-struct Block {
-  std::uint64_t position, number;  ///< of the first
-};
-
-/// Room for the rows, and where it is. Positions are those of a file with the names that are known here.
-class Places {
+/// What is no row, and where rows go. Positions are those of a file with the names that are known here.
+class SectionPlaces {
  public:
-  explicit Places(const WholeMesh& whole, const std::string& name) : whole_(whole) {
-    MshOutput<Gapped> out(frame_, 4, true);
-    File4(out, whole, *this).write(name);
+  SectionPlaces(const WholeMesh& whole, const std::string& name) : whole_(whole), binary_(is_binary(whole)) {
+    MshOutput<Gapped> out(frame_, whole.options);
+    write_file(out, name, whole, *this);
   }
 
-  static constexpr std::uint64_t kTag = sizeof(std::uint64_t);
-  template <std::size_t N>
-  static constexpr std::uint64_t kElement = (1 + N) * sizeof(std::uint64_t);
-  static std::uint64_t field_row(const Field& field) {
-    return sizeof(std::int32_t) + row_length(field) * sizeof(double);
+  void operator()(Section section) {
+    if (binary_) section.row_size = row_size(section);
+    section.position = frame_.skip(num_rows(section) * section.row_size);
+    sections_.push_back(section);
   }
 
-  void node_tags() { tags_ = frame_.skip(whole_.points * kTag); }
-  void points() { points_ = frame_.skip(whole_.points * sizeof(Point)); }
-  template <std::size_t N>
-  void elements(std::int32_t ref, std::uint64_t number) {
-    const RefCounts& counts = N == 2 ? whole_.edges : N == 3 ? whole_.triangles : whole_.tets;
-    blocks_[N][ref] = {frame_.skip(counts.at(ref) * kElement<N>), number};
-  }
-  void field(std::size_t i) {
-    fields_.push_back(frame_.skip(whole_.points * field_row(whole_.fields.fields[i])));
-  }
-
-  const Gapped& frame() const { return frame_; }
-  /// The position of the first row.
-  std::uint64_t first() const { return tags_; }
+  const std::vector<Gapped::Chunk>& frame() const { return frame_.chunks(); }
+  const std::vector<Section>& sections() const { return sections_; }
   void shift(std::uint64_t by) {
-    tags_ += by;
-    points_ += by;
-    for (auto& blocks : blocks_)
-      for (auto& [ref, block] : blocks) block.position += by;
-    for (std::uint64_t& field : fields_) field += by;
-  }
-  std::uint64_t of_tag(std::uint64_t point) const { return tags_ + point * kTag; }
-  std::uint64_t of_point(std::uint64_t point) const { return points_ + point * sizeof(Point); }
-  template <std::size_t N>
-  const Block& of_block(std::int32_t ref) const {
-    return blocks_[N].at(ref);
-  }
-  std::uint64_t of_field(std::size_t i, std::uint64_t point) const {
-    return fields_[i] + point * field_row(whole_.fields.fields[i]);
+    for (Section& section : sections_) section.position += by;
   }
 
  private:
+  static bool is_binary(const WholeMesh& whole) {
+    return whole.options.encoding != WriteOptions::Encoding::ascii;
+  }
+
+  std::uint64_t num_rows(const Section& section) const {
+    if (section.kind != Section::Kind::elements) return whole_.points;
+    const RefCounts& counts = section.index == 2   ? whole_.edges
+                              : section.index == 3 ? whole_.triangles
+                                                   : whole_.tets;
+    return section.ref ? counts.at(*section.ref) : sum_of(counts);
+  }
+  std::uint64_t row_size(const Section& section) const {
+    switch (section.kind) {
+      case Section::Kind::node_tags:
+        return sizeof(std::uint64_t);
+      case Section::Kind::points:
+        return sizeof(Point);
+      case Section::Kind::nodes:
+        return sizeof(std::int32_t) + sizeof(Point);
+      case Section::Kind::elements:
+        return section.ref ? (1 + section.index) * sizeof(std::uint64_t)
+                           : (3 + section.index) * sizeof(std::int32_t);
+      case Section::Kind::field:
+        return sizeof(std::int32_t) + row_length(whole_.fields.fields[section.index]) * sizeof(double);
+    }
+    return 0;
+  }
+
   const WholeMesh& whole_;
+  bool binary_;
   Gapped frame_;
-  std::uint64_t tags_ = 0, points_ = 0;
-  std::array<std::map<std::int32_t, Block>, 5> blocks_;  ///< by the number of vertices of the elements
-  std::vector<std::uint64_t> fields_;
+  std::vector<Section> sections_;
 };
 
 class GmshPartWriter final : public PartWriter {
  public:
   GmshPartWriter(PartTarget target, const WholeMesh& whole)
-      : places_(whole, target.name), file_(std::move(target)), out_(file_, 4, true) {}
+      : whole_(whole), places_(whole, target.name), file_(std::move(target)), out_(file_, whole.options) {}
 
   /// Only who lays out the file has the names, which stand in front of all rows.
-  void set_places(const PartPlaces& places) { places_.shift(places.at(0) - places_.first()); }
+  void set_places(const PartPlaces& places) {
+    places_.shift(places.at(0) - places_.sections().front().position);
+  }
 
   PartPlaces write_frame() {
-    for (const Gapped::Chunk& chunk : places_.frame().chunks()) {
+    for (const Gapped::Chunk& chunk : places_.frame()) {
       file_.seek(chunk.position);
       file_.write(chunk.bytes);
     }
-    return {places_.first()};
+    return {places_.sections().front().position};
   }
 
   void write(const MeshPart& part) override {
-    file_.seek(places_.of_tag(part.first_point));
-    for (std::uint64_t i = 1; i <= part.points.size(); ++i) out_.size(part.first_point + i);
-    file_.seek(places_.of_point(part.first_point));
-    for (const Point& p : part.points) out_.point(p);
-    write_elements(part.edges);
-    write_elements(part.triangles);
-    write_elements(part.tets);
-    for (std::size_t i = 0; i < part.fields.fields.size(); ++i) {
-      file_.seek(places_.of_field(i, part.first_point));
-      for (std::size_t p = 0; p < part.points.size(); ++p) {
-        out_.integer(static_cast<std::int32_t>(part.first_point + p + 1));
-        write_values(out_, part.fields.fields[i], p);
-      }
+    const SectionRows rows(whole_, part);
+    for (const Section& section : places_.sections()) {
+      file_.seek(section.position + rows.first(section) * section.row_size);
+      rows.write(out_, section);
     }
   }
   void finish() override { file_.finish(); }
 
  private:
-  template <std::size_t N>
-  void write_elements(const ElementRows<N>& rows) {
-    for (const auto& [ref, of_ref] : rows_by_ref(rows)) {
-      const Block& block = places_.of_block<N>(ref);
-      file_.seek(block.position + of_ref.first * Places::kElement<N>);
-      std::uint64_t number = block.number + of_ref.first;
-      for (const std::uint32_t i : of_ref.indices) write_element(out_, number++, rows.elements[i]);
-    }
-  }
-
-  Places places_;
+  const WholeMesh& whole_;
+  SectionPlaces places_;
   FilePart file_;
   MshOutput<FilePart> out_;
+};
+
+class GmshTextPart final : public TextPart {
+ public:
+  GmshTextPart(const WholeMesh& whole, const MeshPart& part)
+      : whole_(whole), places_(whole, ""), rows_(whole, part) {}  // gmsh_heads() refuses, by name
+
+  std::string rows(std::size_t section) const override {
+    TextInMemory text;
+    MshOutput out(text, whole_.options);
+    if (section < places_.sections().size()) rows_.write(out, places_.sections()[section]);
+    return std::move(text.text);
+  }
+
+ private:
+  const WholeMesh& whole_;
+  SectionPlaces places_;
+  SectionRows<std::uint64_t> rows_;
 };
 
 }  // namespace
@@ -540,14 +566,13 @@ class GmshPartWriter final : public PartWriter {
 void write_gmsh(const fs::path& path, const MeshView& contents, const WriteOptions& options) {
   check_lengths(contents.mesh, contents.fields);
   AtomicFile file(path);
-  const WholeMesh whole = describe(contents);
-  MshOutput<AtomicFile> out(file, options.gmsh_version, options.encoding != WriteOptions::Encoding::ascii);
-  if (options.gmsh_version == 4) {
-    WholeRows rows(out, contents);
-    File4(out, whole, rows).write(path.string());
-  } else {
-    File2(out, contents, whole).write(path.string());
-  }
+  WholeMesh whole = describe(contents);
+  whole.options = options;
+  MshOutput<AtomicFile> out(file, options);
+  const MeshRows<std::uint32_t> all = all_rows(contents);
+  const SectionRows rows(whole, all);
+  const auto write_rows = [&](const Section& section) { rows.write(out, section); };
+  write_file(out, path.string(), whole, write_rows);
   file.commit();
 }
 
@@ -563,6 +588,17 @@ std::unique_ptr<PartWriter> open_gmsh_part(PartTarget target, const WholeMesh& w
   auto writer = std::make_unique<GmshPartWriter>(std::move(target), whole);
   writer->set_places(places);
   return writer;
+}
+
+std::vector<std::string> gmsh_heads(const fs::path& name, const WholeMesh& whole) {
+  const SectionPlaces places(whole, name.string());
+  std::vector<std::string> heads;
+  for (const Gapped::Chunk& chunk : places.frame()) heads.push_back(chunk.bytes);
+  return heads;
+}
+
+std::unique_ptr<TextPart> open_gmsh_text_part(const WholeMesh& whole, const MeshPart& part) {
+  return std::make_unique<GmshTextPart>(whole, part);
 }
 
 }  // namespace weft::meshing

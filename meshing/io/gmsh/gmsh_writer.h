@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "meshing/io/files/file_part.h"
 #include "meshing/io/files/mesh_contents.h"
@@ -16,10 +18,14 @@ namespace weft::meshing {
 void write_gmsh(const std::filesystem::path& path, const MeshView& contents,
                 const WriteOptions& options = {});
 
-/// The same file (MSH 4.1, binary) by many; see begin_parts() in mesh_file.h.
+/// The same file, binary, by many; see begin_parts() in mesh_file.h.
 PartPlaces begin_gmsh_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                             const WholeMesh& whole);
 std::unique_ptr<PartWriter> open_gmsh_part(PartTarget target, const WholeMesh& whole,
                                            const PartPlaces& places);
+
+/// The same in ASCII; see text_heads() in mesh_file.h.
+std::vector<std::string> gmsh_heads(const std::filesystem::path& name, const WholeMesh& whole);
+std::unique_ptr<TextPart> open_gmsh_text_part(const WholeMesh& whole, const MeshPart& part);
 
 }  // namespace weft::meshing
