@@ -80,10 +80,7 @@ std::uint32_t Lane::num_methods() const {
 }
 
 Trace::Trace(Rank rank, int ranks, int workers, TraceOptions options, int helpers)
-    : rank_(rank),
-      ranks_(ranks),
-      workers_(workers),
-      keeps_spans_(engine::keeps_spans(rank, ranks, options)) {
+    : rank_(rank), ranks_(ranks), workers_(workers), keeps_spans_(engine::keeps_spans(rank, ranks, options)) {
   options.spans = keeps_spans_;
   const int lanes = 1 + workers + helpers;
   lanes_.reserve(static_cast<std::size_t>(lanes));

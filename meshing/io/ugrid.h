@@ -41,8 +41,8 @@ bool is_binary_ugrid(const std::filesystem::path& path);
 /// Whether the name is that of a file of 32-bit reals.
 bool has_ugrid_short_reals(const std::filesystem::path& path);
 
-// A binary file, by several writers: one lays it out and writes all that is no row, then each writes its rows.
-// The bytes are those of write_ugrid(), which refuses what 32-bit reals break; here the caller does.
+// A binary file, by several writers: one lays it out and writes all that is no row, then each writes its
+// rows. The bytes are those of write_ugrid(), which refuses what 32-bit reals break; here the caller does.
 PartPlaces begin_ugrid_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                              const WholeMesh& whole);
 std::unique_ptr<PartWriter> open_ugrid_part(PartTarget target, const WholeMesh& whole,
