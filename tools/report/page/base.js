@@ -48,7 +48,7 @@ weft.plural = (n, word) => weft.count(n) + " " + word + (n === 1 ? "" : "s");
 
 // --- Colours
 
-weft.palette = ["#2f6fb0", "#e07b16", "#2f9e77", "#b0529c", "#7aa52b", "#2aa3bd", "#c4a000", "#8d6e63", "#8795a5"];
+weft.palette = ["#2f6fb0", "#e07b16", "#2f9e77", "#b0529c", "#7aa52b", "#2aa3bd", "#c4a000", "#8d6e63", "#8795a5", "#9cc3ea"];
 weft.operationColour = (o) => (weft.data.operations[o] === "idle" ? weft.css("--idle") : weft.palette[o % weft.palette.length]);
 weft.css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 /** Viridis (Smith and van der Walt, 2015), from eight of its colours. */
