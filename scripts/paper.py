@@ -13,7 +13,7 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-COLOURS = "#2f6fb0 #e07b16 #2f9e77 #b0529c #7aa52b #2aa3bd #c4a000 #8d6e63 #8795a5 #d4d9e0".split()
+COLOURS = "#2f6fb0 #e07b16 #2f9e77 #b0529c #7aa52b #2aa3bd #c4a000 #8d6e63 #8795a5 #9cc3ea #d4d9e0".split()
 WIDTH, HEIGHT, LEFT, BOTTOM = 640, 360, 64, 48
 # Efficiencies against one core that others have published, by cores (docs of the UGAWG's parallel cases).
 PUBLISHED_EFFICIENCY = {

@@ -85,6 +85,8 @@ void Arena::execute(Call run, const void* function) {
   implementation_->arena.execute([=] { run(function); });
 }
 
+int Arena::slot() { return tbb::this_task_arena::current_thread_index(); }
+
 void Arena::isolate(Call run, const void* function) {
   tbb::this_task_arena::isolate([=] { run(function); });
 }

@@ -19,11 +19,15 @@ class Arena {
   explicit Arena(int threads, HelperMoves helper_moves = {});
   ~Arena();
 
-  /// Runs `function` inside the arena, and returns when it is done.
+  /// Runs `function` inside the arena, and returns when it is done. Where all slots are taken, one of those
+  /// in them runs it for this thread, which waits.
   template <class Function>
   void execute(const Function& function) {
     execute(&call<Function>, &function);
   }
+
+  /// That of the calling thread, in an arena.
+  static int slot();
 
   /// Runs `function`; while it waits for parallel work of its own it does nothing else, and others may help.
   template <class Function>

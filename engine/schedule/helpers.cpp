@@ -14,23 +14,26 @@ void Helpers::begin_run() {
 
 void Helpers::end_run() {
   const std::lock_guard lock(mutex_);
-  for (std::size_t slot = 0; slot < since_.size(); ++slot) leaves(slot);
+  for (std::size_t slot = 0; slot < since_.size(); ++slot) record(slot);
   runs_ = false;
 }
 
-void Helpers::moved(int slot, bool enters) noexcept {
+void Helpers::enters(int slot) noexcept {
   const auto place = static_cast<std::size_t>(slot);
   const std::lock_guard lock(mutex_);
-  if (place >= since_.size()) return;
-  if (enters) {
-    since_[place] = now();
-  } else {
-    leaves(place);
-    since_[place] = kNobody;
-  }
+  if (place < since_.size()) since_[place] = now();
 }
 
-void Helpers::leaves(std::size_t slot) noexcept {
+bool Helpers::leaves(int slot) noexcept {
+  const auto place = static_cast<std::size_t>(slot);
+  const std::lock_guard lock(mutex_);
+  if (place >= since_.size() || since_[place] == kNobody) return false;
+  record(place);
+  since_[place] = kNobody;
+  return true;
+}
+
+void Helpers::record(std::size_t slot) noexcept {
   if (!runs_ || since_[slot] == kNobody) return;
   try {
     trace_.helper_lane(static_cast<int>(slot))

@@ -17,12 +17,13 @@ class Helpers {
 
   void begin_run();
   void end_run();
-  /// As Arena::HelperMoves.
-  void moved(int slot, bool enters) noexcept;
+  void enters(int slot) noexcept;
+  /// Whether a helper was there.
+  bool leaves(int slot) noexcept;
 
  private:
   static constexpr TimePoint kNobody = -1;
-  void leaves(std::size_t slot) noexcept;
+  void record(std::size_t slot) noexcept;
 
   Trace& trace_;
   std::mutex mutex_;

@@ -45,10 +45,14 @@ Scheduler::Scheduler(Options options, const Registry& registry, Exchange& exchan
       trace_(trace),
       wake_(std::move(wake)),
       helpers_(trace),
-      arena_(options.virtual_time
-                 ? nullptr
-                 : std::make_unique<Arena>(options.threads,
-                                           [this](int slot, bool enters) { helpers_.moved(slot, enters); })),
+      arena_(options.virtual_time ? nullptr
+                                  : std::make_unique<Arena>(options.threads,
+                                                            [this](int slot, bool enters) {
+                                                              if (enters)
+                                                                helpers_.enters(slot);
+                                                              else
+                                                                helpers_.leaves(slot);
+                                                            })),
       directory_(options.rank),
       costs_(registry.methods()) {
   root_.id = ObjectId{options_.rank, 0};
@@ -447,6 +451,7 @@ void Scheduler::start(std::function<void(Context&)> root) {
 
 /// A worker's life.
 void Scheduler::work(Lane& lane) {
+  const std::thread::id self = std::this_thread::get_id();
   Lock lock(mutex_);
   while (!quit_) {
     if (stopping_ || ready_.empty()) {
@@ -457,7 +462,12 @@ void Scheduler::work(Lane& lane) {
       // All that is ready is handled in one visit to the arena; a worker that waits for work leaves its slot
       // to others. Not under the lock: a full arena makes this worker wait for those who may want it.
       lock.unlock();
-      arena_->execute([&] { drain(lane); });
+      arena_->execute([&] {
+        // A helper may do it for this worker: what it does so is no help.
+        const bool by_helper = std::this_thread::get_id() != self && helpers_.leaves(Arena::slot());
+        drain(lane);
+        if (by_helper) helpers_.enters(Arena::slot());
+      });
       lock.lock();
     }
   }

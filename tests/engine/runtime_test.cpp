@@ -437,6 +437,29 @@ TEST(Runtime, AccountsForThreadsThatHelp) {
   });
 }
 
+/// Many short handlers with loops: helpers are often in the way of workers, and do their work.
+struct Hasty {
+  void work(Context& context, int more) {
+    tbb::parallel_for(0, 8, [](int) { std::this_thread::sleep_for(std::chrono::microseconds(200)); });
+    if (more > 0) context.invoke<&Hasty::work>(MobilePtr<Hasty>{context.self()}, more - 1);
+  }
+};
+
+TEST(Runtime, CountsNoTimeAsHelpAndAsAWorkersToo) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  on_ranks(1, [](Transport& transport) {
+    Registry registry;
+    registry.type<Hasty>("Hasty").method<&Hasty::work>("work");
+    Runtime runtime(transport, registry, {.threads = 2});
+    for (int run = 0; run < 10; ++run)
+      runtime.run([](Context& context) {
+        for (int i = 0; i < 3; ++i) context.invoke<&Hasty::work>(context.create<Hasty>(), 30);
+      });
+    const RankSummary summary = runtime.summary();
+    EXPECT_LE(summary.times.computed(), summary.workers * summary.wall * 1.01);
+  });
+}
+
 /// Nested parallelism that sends to other objects of the rank while these wait for workers of their own.
 struct Spreader {
   std::atomic<int> calls{0};
