@@ -23,7 +23,7 @@ std::array<double, 4> clamped(std::array<double, 4> l) {
 }  // namespace
 
 Background::Background(const MeshData& mesh, std::span<const LogMetric> log_metrics, Adjacency adjacency)
-    : mesh_(&mesh), adjacency_(std::move(adjacency)) {
+    : adjacency_(std::move(adjacency)) {
   blocks_.push_back({.points = mesh.points.data(),
                      .log_metrics = log_metrics.data(),
                      .tets = mesh.tets.data(),
@@ -148,23 +148,6 @@ Background::Sample Background::outside(const Point& p, std::uint32_t tet) const 
     const Point q = closest_in(tet, p);
     const LogMetric l = interpolate(tet, clamped(barycentric(tet, q)));
     if (attempt > 0 || squared_length(exp_fast(l), p - q) < 0.25) return {l, tet};
-    tet = search_everywhere(p);
-  }
-}
-
-Background::Place Background::locate(const Point& p, std::uint32_t hint) const {
-  // A walk that ends at the boundary next to p has found it, as far as rounding lets one say; elsewhere p may
-  // lie beyond a gap.
-  constexpr double kNext = 1e-12;
-  std::uint32_t tet = hint == kNoHint ? 0 : hint;
-  Barycentric l;
-  if (walk(p, tet, l)) return {tet, clamped(l), 0};
-  for (int attempt = 0;; ++attempt) {
-    const Corners corner = corners(tet);
-    const Point q = closest_in(tet, p);
-    const double distance2 = norm2(p - q), size2 = norm2(corner[1] - corner[0]);
-    if (distance2 <= kNext * size2) return {tet, clamped(barycentric(tet, q)), 0};
-    if (attempt > 0) return {tet, clamped(barycentric(tet, q)), distance2};
     tet = search_everywhere(p);
   }
 }

@@ -55,15 +55,6 @@ class Background {
   /// point.
   Sample at(const Point& p, std::uint32_t hint) const;
 
-  using Barycentric = std::array<double, 4>;
-  struct Place {
-    std::uint32_t tet;     ///< the hint for the next query nearby
-    Barycentric at;        ///< weights of its vertices, none negative, of sum 1
-    double distance2 = 0;  ///< squared, of the point from the mesh; 0 within 1e-6 of the tet's size
-  };
-  /// Where `p` is, or the point of the mesh closest to it; needs no metrics.
-  Place locate(const Point& p, std::uint32_t hint) const;
-
   struct WalkEnd {
     std::uint32_t tet;
     bool reached;  ///< the tet has the point; otherwise the boundary was in the way
@@ -79,12 +70,11 @@ class Background {
     return n & BackgroundBlock::kOpen ? block.across[n ^ BackgroundBlock::kOpen] : block.first_code + n;
   }
 
-  // Of one that is a mesh.
+  /// Of one that is a mesh.
   const LogMetric& log_metric(std::uint32_t vertex) const { return blocks_.front().log_metrics[vertex]; }
-  const MeshData& mesh() const { return *mesh_; }
-  const Adjacency& adjacency() const { return adjacency_; }
 
  private:
+  using Barycentric = std::array<double, 4>;
   const BackgroundBlock& block_of(std::uint32_t tet) const { return blocks_[tet >> bits_]; }
   /// A tet's corners, and its block's points.
   struct Corners {
@@ -104,8 +94,7 @@ class Background {
   Sample outside(const Point& p, std::uint32_t tet) const;
   LogMetric interpolate(std::uint32_t tet, const Barycentric& l) const;
 
-  const MeshData* mesh_ = nullptr;
-  Adjacency adjacency_;  ///< of mesh_
+  Adjacency adjacency_;  ///< of one that is a mesh
   int bits_ = 31;        ///< of a tet's number in its block
   std::uint32_t mask_ = 0x7FFFFFFFu;
   std::vector<BackgroundBlock> blocks_;

@@ -10,6 +10,7 @@
 #include <random>
 #include <utility>
 
+#include "meshing/fields/tet_locator.h"
 #include "partition/distribute/distribute.h"
 #include "partition/fields/tets_meet.h"
 #include "partition/subdomain/subdomain.h"
@@ -145,14 +146,14 @@ TEST_P(OwnBackgroundOnRanks, VerticesBeyondTheBackgroundReadItsClosestPoint) {
   const MetricMesh background = with_metric(support::unit_cube(9), 0.02, 1);
   meshing::MeshData input = support::unit_cube(5);
   for (Point& p : input.points) p = {4 * p.x - 1, 4 * p.y - 1, 4 * p.z - 1};
-  const Background whole(background.mesh, background.log_metrics,
-                         meshing::build_adjacency(background.mesh.tets, background.mesh.points.size()));
+  const meshing::TetLocator whole(
+      background.mesh, meshing::build_adjacency(background.mesh.tets, background.mesh.points.size()));
   const Outcome run = run_on(GetParam(), 5, background, input);
   for (std::size_t v = 0; v < input.points.size(); ++v) {
-    const Background::Place place = whole.locate(input.points[v], Background::kNoHint);
+    const meshing::TetLocator::Place place = whole.locate(input.points[v], meshing::TetLocator::kNoHint);
     LogMetric expected;
     for (std::size_t i = 0; i < 4; ++i)
-      expected = expected + place.at[i] * whole.log_metric(background.mesh.tets[place.tet][i]);
+      expected = expected + place.at[i] * background.log_metrics[background.mesh.tets[place.tet][i]];
     ASSERT_NEAR(run.log_metrics[v].yy, expected.yy, 1e-9);
     ASSERT_NEAR(run.log_metrics[v].xz, expected.xz, 1e-9);
   }
