@@ -9,7 +9,7 @@
 namespace weft::graph::adaptation {
 
 void FreedMemory::give_back() {
-  constexpr Clock::rep kPause = 100;  // times what it takes
+  constexpr Clock::rep kPause = 200;  // times what it takes
   const Clock::rep begin = Clock::now().time_since_epoch().count();
   Clock::rep due = due_.load(std::memory_order_relaxed);
   if (begin < due) return;

@@ -11,7 +11,7 @@ namespace weft::graph::adaptation {
 class FreedMemory {
  public:
   /// Gives it back to the system, and the blocks that are kept for messages, unless that was done so lately
-  /// that it would take more than a hundredth of the time. From any thread.
+  /// that it would take more than a two-hundredth of the time. From any thread.
   void give_back();
 
  private:

@@ -47,16 +47,20 @@ class Permutation {
   template <class T>
   void move(StableArray<T>& array) const {
     move_member(array, [](T& x) -> T& { return x; });
-    array.release_from(new_size_);
+    array.clear_from(new_size_, map_.size());
   }
 
-  /// The same for elements most of which are zero: pages with no others take no memory afterwards.
+  /// The same for elements most of which are zero: pages of a large array with no others take no memory
+  /// afterwards.
   template <class T>
   void move_sparse(StableArray<T>& array) const {
+    constexpr std::size_t kLarge = std::size_t{1} << 22;  // bytes
     const T* moved = moved_members(array, [](T& x) -> T& { return x; });
-    array.release_from(0);
+    const bool is_large = map_.size() * sizeof(T) >= kLarge;
+    array.clear_from(is_large ? 0 : new_size_, map_.size());
     tbb::parallel_for(std::uint32_t{0}, new_size_, [&](std::uint32_t i) {
-      if (moved[i] != T{}) array[i] = moved[i];
+      const T there = is_large ? T{} : array[i];  // to read a page that has gone makes one
+      if (there != moved[i]) array[i] = moved[i];
     });
   }
 
@@ -222,7 +226,7 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
   });
   to_tets.move_member(tets_, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.v; });
   to_tets.move_member(tets_, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.n; });
-  tets_.release_from(num_tets);
+  tets_.clear_from(num_tets, tet_slots());
   to_tets.move_sparse(patches_);
   to_tets.move(tet_refs_);
   to_tets.move(quality_);
@@ -230,7 +234,7 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
   to_vertices.move_member(vertices_, [](Vertex& v) -> VertexHead& { return v; });
   to_vertices.move_member(vertices_, [](Vertex& v) -> Metric& { return v.metric; });
   to_vertices.move_member(vertices_, [](Vertex& v) -> LogMetric& { return v.log_metric; });
-  vertices_.release_from(num_vertices);
+  vertices_.clear_from(num_vertices, vertex_slots());
   to_vertices.move(vertex_marks_);
   to_vertices.move(vertex_refs_);
   to_vertices.move(labels_);
