@@ -399,6 +399,10 @@ bool has_short_reals(const fs::path& path) {
   return format.has_short_reals && format.has_short_reals(path);
 }
 
+bool can_be_written_in_blocks(const fs::path& path, const WriteOptions& options) {
+  return format_of(path).extension == ".vtu" && is_binary(path, options) && options.compress;
+}
+
 bool can_be_written_as_text(const fs::path& path, const WriteOptions& options) {
   const Format& format = format_of(path);
   return format.as_text && format.as_text(path, options);

@@ -110,6 +110,9 @@ std::vector<std::string> text_heads(const std::filesystem::path& name, const Who
 std::unique_ptr<TextPart> open_text_part(const std::filesystem::path& name, const WholeMesh& whole,
                                          const MeshPart& part);
 
+/// The same of a file whose arrays are compressed in blocks (VtuBlocks): .vtu.
+bool can_be_written_in_blocks(const std::filesystem::path& path, const WriteOptions& options);
+
 /// How much a mesh has of what formats may have no place for.
 struct ContentCounts {
   std::uint64_t tets = 0, edges = 0, corners = 0, ridges = 0;

@@ -17,6 +17,7 @@
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
+#include "partition/output/common_blocks.h"
 #include "partition/output/common_file.h"
 #include "partition/output/common_text.h"
 #include "partition/output/gmf_output.h"
@@ -239,7 +240,7 @@ void write_fields_of_slices(Peers& peers, const MeshSlice& slice, const meshing:
 
 bool can_write_slices(const std::filesystem::path& mesh, const meshing::WriteOptions& options) {
   return meshing::gmf::is_mesh(mesh) || meshing::can_be_written_in_parts(mesh, options) ||
-         meshing::can_be_written_as_text(mesh, options);
+         meshing::can_be_written_as_text(mesh, options) || meshing::can_be_written_in_blocks(mesh, options);
 }
 
 void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
@@ -257,14 +258,20 @@ void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::S
   FirstRows first;
   WholeMesh whole = describe_slices(peers, slice, inside, names, first);
   whole.options = options;
-  if (!meshing::can_be_written_as_text(file, options))
-    return write_in_parts(peers, slice, inside, whole, first, file);
-  CommonText text(file, whole, [&](const PartAction& action) {
+  const auto for_parts = [&](const PartAction& action) {
     with_part(slice, inside, first,
               [&](const meshing::MeshPart& part) { action(static_cast<std::uint64_t>(peers.rank()), part); });
-  });
-  text.create(peers);
-  write_together(peers, text, [&] { text.write(); });
+  };
+  const auto write_as = [&](auto&& common) {
+    common.create(peers);
+    write_together(peers, common, [&] { common.write(); });
+  };
+  if (meshing::can_be_written_as_text(file, options))
+    write_as(CommonText(file, whole, for_parts));
+  else if (meshing::can_be_written_in_blocks(file, options))
+    write_as(CommonBlocks(file, whole, for_parts));
+  else
+    write_in_parts(peers, slice, inside, whole, first, file);
 }
 
 }  // namespace weft::partition

@@ -20,9 +20,9 @@ void write_fields_of_slices(Peers& peers, const MeshSlice& slice, const meshing:
 bool can_write_slices(const std::filesystem::path& mesh, const meshing::WriteOptions& options = {});
 
 /// All ranks: a GMF file, or one that can be written in parts (meshing::can_be_written_in_parts, or
-/// can_be_written_as_text), of the mesh of the slices, with `fields` at their points inside where its format
-/// holds fields; the bytes are those of meshing::write_mesh_contents with the whole mesh. `names`, of rank 0:
-/// those of references. It appears as the fields do.
+/// can_be_written_as_text, can_be_written_in_blocks), of the mesh of the slices, with `fields` at their
+/// points inside where its format holds fields; the bytes are those of meshing::write_mesh_contents with the
+/// whole mesh. `names`, of rank 0: those of references. It appears as the fields do.
 void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
                           const meshing::RefNames& names, const std::filesystem::path& file,
                           const meshing::WriteOptions& options = {});

@@ -18,7 +18,6 @@ namespace weft::meshing {
 namespace {
 
 constexpr std::uint64_t kWindow = std::uint64_t{1} << 16;  ///< bytes that are read, or passed over, at once
-constexpr std::uint64_t kBlockSize = std::uint64_t{1} << 18;  ///< of compressed data that we write
 
 constexpr std::array<std::int8_t, 256> base64_digits() {
   std::array<std::int8_t, 256> digits{};
@@ -315,19 +314,24 @@ void VtkBytes::read(std::uint64_t first, std::uint64_t count, char* out) {
 void VtkBytes::fail(const std::string& reason) const { throw InputError(file_, entity_, reason); }
 void VtkBytes::fail_truncated() const { fail("the file is truncated, or its data are damaged"); }
 
-std::vector<char> vtk_compressed(const std::vector<char>& data) {
-  const std::uint64_t num_blocks = (data.size() + kBlockSize - 1) / kBlockSize;
-  std::vector<std::vector<Bytef>> blocks(num_blocks);
-  tbb::parallel_for(std::uint64_t{0}, num_blocks, [&](std::uint64_t i) {
-    const std::uint64_t begin = i * kBlockSize, size = std::min(kBlockSize, data.size() - begin);
-    uLongf length = compressBound(size);
-    blocks[i].resize(length);
-    // Cannot fail with this bound but for memory, of which resize() would have spoken.
-    compress2(blocks[i].data(), &length, reinterpret_cast<const Bytef*>(data.data() + begin), size,
-              Z_BEST_SPEED);
-    blocks[i].resize(length);
+std::vector<char> vtk_block(std::span<const char> bytes) {
+  uLongf length = compressBound(bytes.size());
+  std::vector<char> block(length);
+  // Cannot fail with this bound but for memory, of which the line before would have spoken.
+  compress2(reinterpret_cast<Bytef*>(block.data()), &length, reinterpret_cast<const Bytef*>(bytes.data()),
+            bytes.size(), Z_BEST_SPEED);
+  block.resize(length);
+  return block;
+}
+
+std::vector<char> vtk_compressed(std::span<const char> data) {
+  std::vector<std::vector<char>> blocks(num_vtk_blocks(data.size()));
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+    const std::uint64_t begin = i * kVtkBlockSize;
+    blocks[i] = vtk_block(data.subspan(begin, std::min(kVtkBlockSize, data.size() - begin)));
   });
-  std::vector<std::uint64_t> header = {num_blocks, kBlockSize, data.size() % kBlockSize};
+  const auto first = vtk_block_header(data.size());
+  std::vector<std::uint64_t> header(first.begin(), first.end());
   for (const auto& block : blocks) header.push_back(block.size());
   std::vector<char> out(header.size() * sizeof(std::uint64_t));
   std::memcpy(out.data(), header.data(), out.size());

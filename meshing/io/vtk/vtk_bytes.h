@@ -2,8 +2,10 @@
 // them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,7 +54,18 @@ class VtkBytes {
   std::vector<std::uint64_t> places_;             ///< where compressed blocks begin, and the last one ends
 };
 
+/// Arrays are compressed in blocks of so many bytes; the last one of an array may be shorter.
+inline constexpr std::uint64_t kVtkBlockSize = std::uint64_t{1} << 18;
+inline std::uint64_t num_vtk_blocks(std::uint64_t bytes) {
+  return (bytes + kVtkBlockSize - 1) / kVtkBlockSize;
+}
+/// One block, compressed.
+std::vector<char> vtk_block(std::span<const char> bytes);
+/// What stands before the compressed lengths of its blocks, and these before the blocks themselves.
+inline std::array<std::uint64_t, 3> vtk_block_header(std::uint64_t bytes) {
+  return {num_vtk_blocks(bytes), kVtkBlockSize, bytes % kVtkBlockSize};
+}
 /// The data of one array in compressed blocks, with their header, as VTK stores them.
-std::vector<char> vtk_compressed(const std::vector<char>& data);
+std::vector<char> vtk_compressed(std::span<const char> data);
 
 }  // namespace weft::meshing

@@ -335,18 +335,28 @@ std::string VtkPlan::attributes(const std::string& type, const std::string& name
          std::to_string(num_components) + "\"";
 }
 
-void VtkPlan::array(const std::string& type, const std::string& name, int num_components,
-                    std::uint64_t bytes) {
-  add(attributes(type, name, num_components), bytes);
-}
-
 void VtkPlan::add(const std::string& attributes, std::uint64_t bytes) {
-  text(attributes + appended_at(offset_));
+  xml_.back() += attributes;
+  xml_.emplace_back("\n");
   sizes_.push_back(bytes);
-  offset_ += sizeof(std::uint64_t) + bytes;
 }
 
-std::string VtkPlan::head() const { return opening(type_, false) + xml_ + std::string(kBeginAppended); }
+std::string VtkPlan::head(std::span<const std::uint64_t> lengths, bool compressed) const {
+  std::string head = opening(type_, compressed);
+  std::uint64_t offset = 0;
+  for (std::size_t i = 0; i < lengths.size(); offset += lengths[i++]) head += xml_[i] + appended_at(offset);
+  return head + xml_.back() + std::string(kBeginAppended);
+}
+
+std::string VtkPlan::head() const {
+  std::vector<std::uint64_t> lengths = sizes_;
+  for (std::uint64_t& length : lengths) length += sizeof(std::uint64_t);
+  return head(lengths, false);
+}
+
+std::string VtkPlan::compressed_head(std::span<const std::uint64_t> lengths) const {
+  return head(lengths, true);
+}
 
 std::uint64_t VtkPlan::position(std::size_t array) const {
   std::uint64_t position = head().size() + sizeof(std::uint64_t);
@@ -437,10 +447,14 @@ void VtkWriter::write_ascii() {
   file_.write(kEnd);
 }
 
-void VtkWriter::write_appended() {
+VtkPlan VtkWriter::plan() const {
   VtkPlan plan(type_);
   for (const Item& item : items_) item.make ? plan.add(item.xml, item.bytes) : plan.text(item.xml);
-  file_.write(plan.head());
+  return plan;
+}
+
+void VtkWriter::write_appended() {
+  file_.write(plan().head());
   for (const Item& item : items_) {
     if (!item.make) continue;
     file_.write_value(item.bytes);
@@ -452,20 +466,15 @@ void VtkWriter::write_appended() {
 
 /// The sizes of compressed arrays are needed first.
 void VtkWriter::write_compressed() {
-  std::vector<std::vector<char>> blocks;
-  std::uint64_t offset = 0;
-  file_.write(opening(type_, true));
+  std::vector<std::vector<char>> arrays;
+  std::vector<std::uint64_t> lengths;
   for (const Item& item : items_) {
-    file_.write(item.xml);
-    if (item.make) {
-      file_.write(appended_at(offset));
-      blocks.push_back(vtk_compressed(item.make()));
-      offset += blocks.back().size();
-    }
-    file_.write("\n");
+    if (!item.make) continue;
+    arrays.push_back(vtk_compressed(item.make()));
+    lengths.push_back(arrays.back().size());
   }
-  file_.write(kBeginAppended);
-  for (const std::vector<char>& block : blocks) file_.write(block.data(), block.size());
+  file_.write(plan().compressed_head(lengths));
+  for (const std::vector<char>& array : arrays) file_.write(array.data(), array.size());
   file_.write(VtkPlan::tail());
 }
 

@@ -92,19 +92,24 @@ class VtkDocument {
   mutable std::map<std::uint64_t, VtkBytes> bytes_;
 };
 
-/// What stands around the appended, uncompressed arrays of a document, and where these lie.
+/// What stands around the appended arrays of a document, and where these lie.
 class VtkPlan {
  public:
   explicit VtkPlan(std::string type) : type_(std::move(type)) {}
 
   /// Lines of XML between the arrays.
-  void text(const std::string& line) { xml_ += line + "\n"; }
-  void array(const std::string& type, const std::string& name, int num_components, std::uint64_t bytes);
-  /// The file up to its data.
+  void text(const std::string& line) { xml_.back() += line + "\n"; }
+  void array(const std::string& type, const std::string& name, int num_components, std::uint64_t bytes) {
+    add(attributes(type, name, num_components), bytes);
+  }
+  /// The file up to its data, which are not compressed.
   std::string head() const;
-  /// Bytes of an array, and the position of the first of them; the 8 in front hold their number.
+  /// The same where they are; `lengths` of the arrays are those of all their blocks, and the header.
+  std::string compressed_head(std::span<const std::uint64_t> lengths) const;
   std::uint64_t num_arrays() const { return sizes_.size(); }
+  /// Of an array, not compressed.
   std::uint64_t bytes(std::size_t array) const { return sizes_[array]; }
+  /// Where the first of these is; the 8 in front hold their number.
   std::uint64_t position(std::size_t array) const;
   /// What follows the data.
   static std::string tail();
@@ -114,10 +119,11 @@ class VtkPlan {
  private:
   friend class VtkWriter;
   void add(const std::string& attributes, std::uint64_t bytes);
+  std::string head(std::span<const std::uint64_t> lengths, bool compressed) const;
 
-  std::string type_, xml_;
+  std::string type_;
+  std::vector<std::string> xml_{{}};  ///< up to each array's place, and behind the last
   std::vector<std::uint64_t> sizes_;
-  std::uint64_t offset_ = 0;
 };
 
 /// What stands around the values of a document whose arrays are text: a head in front of each section of
@@ -162,6 +168,7 @@ class VtkWriter {
     std::function<std::vector<char>()> make;  ///< none: text
   };
 
+  VtkPlan plan() const;
   void write_ascii();
   void write_appended();
   void write_compressed();

@@ -23,9 +23,9 @@ using meshing::MeshContents;
 using meshing::TemporaryDirectory;
 
 /// A box of two regions and two markers with names, fields, and a point that no element uses.
-MeshContents named_box() {
+MeshContents named_box(std::array<std::uint32_t, 3> cells = {4, 3, 2}) {
   MeshContents box;
-  box.mesh = meshing::structured_box({{4, 3, 2}, {0, 0, 0}, {4, 3, 2}});
+  box.mesh = meshing::structured_box({cells, {0, 0, 0}, {4, 3, 2}});
   for (std::size_t t = 0; t < box.mesh.tet_refs.size(); t += 3) box.mesh.tet_refs[t] = 5;
   box.mesh.points.push_back({9, 8, 7});
   box.mesh.point_refs.push_back(-3);
@@ -97,6 +97,7 @@ TEST(SliceFiles, HaveTheBytesOfTheWholeMesh) {
   for (const auto& [name, options] : {Case{"m.su2"},
                                       {"m.vtu"},
                                       {"m.vtu", {.encoding = kAscii}},
+                                      {"m.vtu", {.compress = true}},
                                       {"m.msh"},
                                       {"m.msh", {.encoding = kAscii}},
                                       {"m.msh", {.gmsh_version = 2}},
@@ -121,6 +122,23 @@ TEST(SliceFiles, HaveTheBytesOfTheWholeMesh) {
         EXPECT_TRUE(files_of(directory.path()) == files_of(expected.path()));
       });
     }
+}
+
+/// Blocks whose bytes are of several ranks, and ranks with several blocks of an array.
+TEST(SliceFiles, OfManyCompressedBlocksHaveTheBytesOfTheWholeMesh) {
+  const MeshContents box = named_box({16, 16, 16});
+  const TemporaryDirectory expected;
+  const meshing::WriteOptions options{.compress = true};
+  meshing::write_mesh_contents(expected / "m.vtu", box, options);
+  for_ranks_and_shares([&](int ranks, unsigned seed) {
+    const TemporaryDirectory directory;
+    for (const auto& thrown :
+         write_on(ranks, seed, box, [&](auto&peers, auto&slice, auto&&fields, auto&&names) {
+           write_mesh_of_slices(peers, slice, fields, names, directory / "m.vtu", options);
+         }))
+      EXPECT_FALSE(thrown);
+    EXPECT_TRUE(files_of(directory.path()) == files_of(expected.path()));
+  });
 }
 
 TEST(SliceFiles, AreRefusedWhereRoundingBreaksATet) {
