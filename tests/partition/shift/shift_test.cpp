@@ -6,10 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include "meshing/adapt/adapt.h"
+#include "meshing/fields/tet_locator.h"
 #include "meshing/metric/measures.h"
 #include "partition/output/merge_pieces.h"
 #include "tests/partition/shift/shift_checks.h"
@@ -277,6 +280,14 @@ TEST(Shift, WantsWhatIsInThePoorTetsWay) {
   }
 }
 
+/// Sums of coordinates, which tell tets of a mesh apart.
+std::array<double, 3> key_of(std::array<meshing::Point, 4> corners) {
+  std::ranges::sort(corners, {}, [](const meshing::Point& p) { return std::tuple(p.x, p.y, p.z); });
+  meshing::Point sum;
+  for (const meshing::Point& p : corners) sum += p;
+  return {sum.x, sum.y, sum.z};
+}
+
 /// A fine cube that has become a few tets, each of which covers thousands of the input's; they are handed
 /// over around one corner.
 TEST(Shift, BackgroundTravelsWithTetsThatCoverThousandsOfTheInput) {
@@ -290,6 +301,11 @@ TEST(Shift, BackgroundTravelsWithTetsThatCoverThousandsOfTheInput) {
   rounds.adapt(meshing::Extent::everything);
   Subdomain& s = rounds.subdomains()[0];
   ASSERT_LT(count_tets(s), 40u);
+  const meshing::TetLocator input(scene.mesh,
+                                  meshing::build_adjacency(scene.mesh.tets, scene.mesh.points.size()));
+  const auto corners_of = [](const auto& points, const std::array<std::uint32_t, 4>& tet) {
+    return std::array<meshing::Point, 4>{points[tet[0]], points[tet[1]], points[tet[2]], points[tet[3]]};
+  };
   std::size_t moved = 0, without = 0;
   std::mt19937 random(1);
   std::uniform_real_distribution<double> weight(0.02, 1);
@@ -301,8 +317,9 @@ TEST(Shift, BackgroundTravelsWithTetsThatCoverThousandsOfTheInput) {
     s.mesh->freeze(meshing::VertexId(i));
     const std::vector<Proposal> proposals{{{1, SubdomainId(1)}, {shared}, {}, {}}};
     const std::vector<Parcel> parcels = gather(s, {0, SubdomainId(0)}, {}, proposals, {0, false});
-    BackgroundStore there;
-    there.add(parcels[0].pieces);
+    std::set<std::array<double, 3>> there;
+    for (const auto& piece : parcels[0].pieces)
+      for (const auto& tet : piece->tets) there.insert(key_of(corners_of(piece->points, tet)));
     for (const Parcel::Tet& tet : parcels[0].tets)
       for (int k = 0; k < 4000; ++k) {
         double sum = 0;
@@ -312,7 +329,8 @@ TEST(Shift, BackgroundTravelsWithTetsThatCoverThousandsOfTheInput) {
           p += w * parcels[0].vertices[v].point;
           sum += w;
         }
-        without += there.background().locate((1 / sum) * p, meshing::Background::kNoHint).distance2 > 1e-12;
+        const std::uint32_t at = input.locate((1 / sum) * p, meshing::TetLocator::kNoHint).tet;
+        without += !there.contains(key_of(corners_of(scene.mesh.points, scene.mesh.tets[at])));
       }
     moved = parcels[0].tets.size();
   }
