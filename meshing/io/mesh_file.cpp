@@ -65,6 +65,7 @@ struct Format {
   // Where one reader can pass on what it reads: whether of this file, and how.
   bool (*is_streamed)(const fs::path&) = nullptr;
   MeshContents (*stream)(const fs::path&, MeshStream&) = nullptr;
+  void (*stream_fields)(const fs::path&, FieldStream&) = nullptr;
   // Where many can write one file: whether they can write this one, what one of them does first, and all do.
   bool (*in_parts)(const fs::path&, const WriteOptions&) = nullptr;
   PartPlaces (*begin_parts)(const fs::path&, const fs::path&, const WholeMesh&) = nullptr;
@@ -158,6 +159,7 @@ constexpr std::array kFormats = {
            .field_heads = gmsh_field_heads,
            .is_streamed = gmsh_has_no_ranges,
            .stream = stream_gmsh,
+           .stream_fields = stream_gmsh_fields,
            .in_parts = is_binary,
            .begin_parts = begin_gmsh_parts,
            .open_part = open_gmsh_part,
@@ -341,6 +343,9 @@ MeshContents stream_mesh(const fs::path& path, MeshStream& stream, OtherVolumes 
   if (others == OtherVolumes::refused) refuse_foreign_volumes(contents.foreign_volumes, path);
   return contents;
 }
+
+bool can_stream_fields(const fs::path& path) { return format_of(path).stream_fields != nullptr; }
+void stream_fields(const fs::path& path, FieldStream& fields) { format_of(path).stream_fields(path, fields); }
 
 MeshData read_mesh(const fs::path& path, RefNames* names, Coordinates wanted) {
   MeshContents contents = read_mesh_contents(path, wanted);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/io/files/field_stream.h"
 #include "meshing/io/files/file_part.h"
 #include "meshing/io/files/merge_pieces.h"
 #include "meshing/io/files/mesh_contents.h"
@@ -69,6 +70,11 @@ bool can_be_streamed(const std::filesystem::path& path);
 /// What read_mesh() and its `names` would be, but for points and tets, which go to the stream. No fields.
 MeshContents stream_mesh(const std::filesystem::path& path, MeshStream& stream,
                          OtherVolumes others = OtherVolumes::refused);
+
+/// Whether one reader can pass the fields of such a mesh file on while it reads, and holds none: .msh.
+bool can_stream_fields(const std::filesystem::path& path);
+/// All of them. What of read_solution() is no field the stream is told too.
+void stream_fields(const std::filesystem::path& path, FieldStream& fields);
 
 /// The CAD model that a mesh file carries, without the records of vertices on it; empty where it has none.
 Association read_carried_model(const std::filesystem::path& path);

@@ -64,6 +64,11 @@ class SelfPeers final : public Peers {
   std::vector<Bytes> all_to_all(std::vector<Bytes> to_each) override { return to_each; }
 };
 
+inline void append(Bytes& bytes, const void* data, std::size_t size) {
+  const auto* begin = static_cast<const std::byte*>(data);
+  bytes.insert(bytes.end(), begin, begin + size);
+}
+
 template <class T>
 Bytes bytes_of(const std::vector<T>& values) {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -25,11 +25,6 @@ std::uint64_t first_of(std::uint64_t rank, std::uint64_t blocks, std::uint64_t r
   return (rank * blocks + ranks - 1) / ranks;
 }
 
-void append(Bytes& bytes, const void* data, std::size_t size) {
-  const auto* begin = static_cast<const std::byte*>(data);
-  bytes.insert(bytes.end(), begin, begin + size);
-}
-
 }  // namespace
 
 std::vector<Bytes> CommonBlocks::pieces_of_blocks(const Peers& peers) const {

@@ -89,11 +89,13 @@ class OtherCommands(Subdomains):
         self.weft("metric", "a.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
         self.weft("convert", "a.meshb", "b.lb8.ugrid")
         (self.folder / "b.mapbc").write_text("1\n1 4000 skin\n")
+        self.weft("convert", "a.meshb", "c.msh", "--sol", "f.solb")
+        self.weft("convert", "a.meshb", "d.msh", "--sol", "f.solb", "--encoding", "ascii", "--msh-version", "2.2")
         for turn, (source, out, *words) in enumerate((
                 ("a.meshb", "o.vtu"), ("a.meshb", "o.msh"), ("a.meshb", "o.su2"), ("a.meshb", "o.mesh"), ("a.meshb", "o.ugrid"),
                 ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"), ("b.lb8.ugrid", "o.msh"), ("b.lb8.ugrid", "p.ugrid"),
                 ("a.meshb", "o.vtu", "--encoding", "ascii"), ("a.meshb", "o.vtu", "--compress"), ("b.lb8.ugrid", "o.msh", "--encoding", "ascii"),
-                ("a.meshb", "o.msh", "--msh-version", "2.2"), ("a.meshb", "o.b4.ugrid"))):
+                ("a.meshb", "o.msh", "--msh-version", "2.2"), ("a.meshb", "o.b4.ugrid"), ("c.msh", "o.vtu"), ("d.msh", "o.msh"))):
             words += "--sol", "f.solb"
             self.command_on(0, "convert", source, out, *words)
             expected, told, files = self.bytes_of(out), None, self.files()

@@ -19,6 +19,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/io/files/cursor.h"
+#include "meshing/io/files/field_stream.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/gmsh/gmsh_codes.h"
 
@@ -206,8 +207,8 @@ Field::Kind kind_of(std::uint64_t components) {
 
 class Reader {
  public:
-  /// Points and tets go to the stream.
-  Reader(Cursor& in, MeshContents& contents, MeshStream& stream, bool with_fields)
+  /// Points and tets go to the stream, fields to theirs, if any.
+  Reader(Cursor& in, MeshContents& contents, MeshStream& stream, FieldStream* fields)
       : in_(in),
         contents_(contents),
         stream_(stream),
@@ -215,13 +216,13 @@ class Reader {
         tets_(stream, &MeshStream::take_tets),
         tet_groups_(stream, &MeshStream::take_tet_refs),
         tet_entities_(stream, &MeshStream::take_other_tet_refs),
-        with_fields_(with_fields) {}
+        fields_(fields) {}
   /// Of a file whose nodes are `range` of `num_nodes`, which are tagged 1, 2, 3 ...: elements have any of
   /// these.
   /// `first_elements`: how many elements are before those of each block.
   Reader(Cursor& in, MeshContents& contents, MeshStream& stream, const MeshRange& range,
          std::uint64_t num_nodes, std::vector<std::uint64_t> first_elements)
-      : Reader(in, contents, stream, true) {
+      : Reader(in, contents, stream, nullptr) {
     first_node_ = range.first_point;
     num_nodes_ = num_nodes;
     first_elements_ = std::move(first_elements);
@@ -299,7 +300,7 @@ class Reader {
       read_nodes();
     } else if (name == "Elements") {
       read_elements();
-    } else if (name == "NodeData" && with_fields_) {
+    } else if (name == "NodeData" && fields_) {
       read_node_data();
     } else {
       return skip_section(name);
@@ -610,31 +611,21 @@ class Reader {
     if (!has_nodes_) in_.fail("stands before $Nodes");
     if (length != 1 && length != 3 && length != 9) in_.fail("has " + std::to_string(length) + " components");
     in_.require(count, least_bytes(1, 0, length));
-    std::vector<double> values(tags_.size() * length);
-    std::vector<bool> given(tags_.size());
-    std::uint64_t num_given = 0;
+    fields_->begin(name, length, tags_.size());
+    std::vector<std::uint32_t> nodes;
+    std::vector<double> values;
+    const auto pass = [&] { fields_->take(std::exchange(nodes, {}), std::exchange(values, {})); };
     for (std::uint64_t i = 0; i < count; ++i) {
       in_.next_row();
       const std::int64_t tag = integer();
       const auto node = tags_.find(static_cast<std::uint64_t>(tag));
       if (!node) in_.fail("node " + std::to_string(tag) + " does not exist");
-      for (std::uint64_t c = 0; c < length; ++c) values[*node * length + c] = real();
-      num_given += !given[*node];
-      given[*node] = true;
+      nodes.push_back(*node);
+      for (std::uint64_t c = 0; c < length; ++c) values.push_back(real());
+      if (nodes.size() == FieldStream::kRows) pass();
     }
-    if (num_given < tags_.size()) return contents_.drop("fields without a value at every node");
-    add_field(name, length, std::move(values));
-  }
-
-  void add_field(const std::string& name, std::uint64_t length, std::vector<double> values) {
-    if (length == 9) {
-      std::vector<double> folded;
-      if (!fold_full_tensors(values, folded))
-        return contents_.drop("fields of tensors that are not symmetric");
-      contents_.fields.fields.push_back({Field::Kind::tensor, std::move(folded), name});
-    } else {
-      contents_.fields.fields.push_back({kind_of(length), std::move(values), name});
-    }
+    pass();
+    fields_->end();
   }
 
   void finish() {
@@ -664,7 +655,8 @@ class Reader {
   StreamedRows<Point> points_;
   StreamedRows<std::array<std::uint32_t, 4>> tets_;
   StreamedRows<std::int32_t> tet_groups_, tet_entities_;
-  bool tets_have_groups_ = false, with_fields_;
+  bool tets_have_groups_ = false;
+  FieldStream* fields_;
   std::uint64_t first_node_ = 0, num_nodes_ = 0;  ///< num_nodes_: 0 without a range
   std::vector<std::uint64_t> first_elements_;     ///< of each block; empty without a range
   int version_ = 4;
@@ -923,7 +915,8 @@ MeshContents read_gmsh(const std::filesystem::path& path, Coordinates wanted) {
   in.set_coordinates(wanted);
   MeshContents contents;
   MeshCollector collector;
-  Reader(in, contents, collector, true).read();
+  FieldCollector fields(contents);
+  Reader(in, contents, collector, &fields).read();
   collector.put_into(contents.mesh);
   contents.complete();
   return contents;
@@ -942,12 +935,37 @@ SolutionData gmsh_field_heads(const std::filesystem::path& path) {
   return heads;
 }
 
-MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& stream) {
+namespace {
+
+/// Of a mesh that somebody else reads.
+class NoMesh final : public MeshStream {
+ public:
+  void take_points(std::vector<Point>) override {}
+  void take_point_refs(std::vector<std::int32_t>) override {}
+  void take_tets(std::vector<std::array<std::uint32_t, 4>>) override {}
+  void take_tet_refs(std::vector<std::int32_t>) override {}
+  void take_other_tet_refs(std::vector<std::int32_t>) override {}
+  void prefer_other_tet_refs() override {}
+  void set_point_ref(std::uint32_t, std::int32_t) override {}
+};
+
+MeshContents stream(const std::filesystem::path& path, MeshStream& mesh, FieldStream* fields) {
   const InputFile file(path);
   Cursor in(file);
   MeshContents contents;
-  Reader(in, contents, stream, false).read();
+  Reader(in, contents, mesh, fields).read();
   return contents;
+}
+
+}  // namespace
+
+MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& mesh) {
+  return stream(path, mesh, nullptr);
+}
+
+void stream_gmsh_fields(const std::filesystem::path& path, FieldStream& fields) {
+  NoMesh mesh;
+  stream(path, mesh, &fields);
 }
 
 }  // namespace weft::meshing

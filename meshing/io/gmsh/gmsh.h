@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "meshing/io/files/field_stream.h"
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/mesh_stream.h"
 
@@ -16,7 +17,11 @@ namespace weft::meshing {
 MeshContents read_gmsh(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 /// The same without node data, and but for points and tets, which go to the stream. Of nodes tagged 1, 2, 3
 /// ... nothing is kept, of others their tags.
-MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& stream);
+MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& mesh);
+/// The node data alone, value by value: the whole file is passed over, and nothing kept but its triangles,
+/// edges and corners, and tags as above. Whether a field has all its values, and what of it is one, its
+/// taker knows.
+void stream_gmsh_fields(const std::filesystem::path& path, FieldStream& fields);
 /// Kinds and names of the node data; passes over all else.
 SolutionData gmsh_field_heads(const std::filesystem::path& path);
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -127,6 +128,139 @@ TEST(MeshShare, OfCgnsWithMixedElementsIsReadByEachRank) {
   expect_shares(shares.triangles, whole.triangles);
   expect_shares(shares.refs, whole.triangle_refs);
   expect_shares(shares.edges, whole.edges);
+}
+
+struct FieldFile {
+  const char* name;
+  meshing::WriteOptions options = {};
+};
+
+std::string no_length(std::uint64_t) { return "is of another mesh"; }
+
+class FieldShares : public testing::TestWithParam<FieldFile> {
+ protected:
+  /// The values of all ranks joined are those of one reader.
+  static void expect_fields(const std::string& file, int ranks) {
+    SCOPED_TRACE(ranks);
+    const Fields whole = meshing::read_mesh_contents(file).fields;
+    std::vector<Fields> shares(static_cast<std::size_t>(ranks));
+    support::run_ranks(ranks, [&](Peers& peers) {
+      const MeshSlice slice = read_mesh_share(peers, file).slice;
+      const Fields mine = read_fields_share(peers, file, slice, no_length);
+      EXPECT_EQ(mine.num_points, slice.points.size());
+      shares[static_cast<std::size_t>(peers.rank())] = mine;
+    });
+    for (std::size_t f = 0; f < whole.fields.size(); ++f) {
+      std::vector<std::vector<double>> values;
+      for (const Fields& share : shares) {
+        ASSERT_EQ(share.fields.size(), whole.fields.size());
+        EXPECT_EQ(share.fields[f].kind, whole.fields[f].kind);
+        EXPECT_EQ(share.fields[f].name, whole.fields[f].name);
+        values.push_back(share.fields[f].values);
+      }
+      expect_joined(values, whole.fields[f].values);
+    }
+  }
+
+  meshing::TemporaryDirectory directory;
+};
+
+TEST_P(FieldShares, AreTheWhole) {
+  MeshContents box = marked_box();
+  const std::size_t n = box.mesh.points.size();
+  box.fields.num_points = n;
+  for (const auto kind : {Field::Kind::scalar, Field::Kind::tensor, Field::Kind::vector}) {
+    Field& field = box.fields.fields.emplace_back(kind, std::vector<double>(),
+                                                  "field " + std::to_string(box.fields.fields.size()));
+    for (std::size_t i = 0; i < n * static_cast<std::size_t>(meshing::components(kind)); ++i)
+      field.values.push_back(1.0 / static_cast<double>(i + 3));
+  }
+  const std::string file = (directory / GetParam().name).string();
+  meshing::write_mesh_contents(file, box, GetParam().options);
+  EXPECT_TRUE(fields_in_shares(file));
+  for (const int ranks : {1, 2, 3, 5}) expect_fields(file, ranks);
+}
+
+constexpr auto kAscii = meshing::WriteOptions::Encoding::ascii;
+INSTANTIATE_TEST_SUITE_P(Formats, FieldShares,
+                         testing::Values(FieldFile{"m.vtu"}, FieldFile{"m.cgns"}, FieldFile{"m.msh"},
+                                         FieldFile{"m.msh", {.encoding = kAscii}},
+                                         FieldFile{"m.msh", {.gmsh_version = 2}},
+                                         FieldFile{"m.msh", {.encoding = kAscii, .gmsh_version = 2}}));
+
+std::vector<std::string> texts_of(const std::vector<Dropped>& dropped) {
+  std::vector<std::string> texts;
+  for (const Dropped& d : dropped) texts.push_back(std::to_string(d.count) + " " + d.what);
+  return texts;
+}
+
+/// Five nodes whose tags have gaps and no order, two tets, and node data.
+std::string gmsh_text(const std::string& node_data) {
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n70 0 0 0\n3 1 0 0\n900 0 1 0\n5 0 0 1\n8 1 1 1\n"
+         "$EndNodes\n$Elements\n2\n1 4 2 1 1 70 3 900 5\n2 4 2 1 1 3 900 5 8\n$EndElements\n" +
+         node_data;
+}
+std::string node_data(const std::string& name, int components, int count, const std::string& rows) {
+  return "$NodeData\n1\n\"" + name + "\"\n1\n0\n3\n0\n" + std::to_string(components) + "\n" +
+         std::to_string(count) + "\n" + rows + "$EndNodeData\n";
+}
+
+TEST_F(FieldShares, OfNodesInAnyOrderWithGapsAndTwice) {
+  const auto file = directory / "m.msh";
+  std::string skew;
+  for (const char* tag : {"3", "5", "8", "70", "900"}) skew += std::string(tag) + " 1 2 3 4 5 6 7 8 9\n";
+  meshing::put_bytes(
+      file,
+      gmsh_text(node_data("a", 1, 6, "900 1\n5 2\n70 3\n5 4\n8 5\n3 6\n") +
+                node_data("gaps", 1, 5, "900 1\n5 2\n70 3\n5 4\n8 5\n") + node_data("skew", 9, 5, skew) +
+                node_data("b", 3, 5, "8 1 2 3\n3 4 5 6\n70 7 8 9\n5 1 1 1\n900 2 2 2\n")));
+  const MeshContents whole = meshing::read_mesh_contents(file);
+  EXPECT_EQ(whole.fields.fields.size(), 2u);
+  EXPECT_EQ(whole.fields.fields[0].values, (std::vector<double>{3, 6, 1, 4, 5}));
+  for (const int ranks : {1, 2, 3, 4, 7}) {
+    expect_fields(file.string(), ranks);
+    support::run_ranks(ranks, [&](Peers& peers) {
+      const FieldsShare share = read_own_fields_share(peers, file.string());
+      EXPECT_EQ(share.num_points, 5u);
+      EXPECT_EQ(texts_of(share.dropped), texts_of(whole.dropped));
+    });
+  }
+}
+
+TEST_F(FieldShares, ThatAreDamagedAreRefusedOnAllRanksInTheSameWords) {
+  const auto file = directory / "m.msh";
+  const std::string rows = "900 1\n5 2\n70 3\n4 4\n8 5\n3 6\n";
+  for (const std::string& bytes :
+       {gmsh_text(node_data("a", 1, 6, rows)), gmsh_text(node_data("a", 2, 6, rows)),
+        gmsh_text(node_data("a", 1, 9000, rows)), gmsh_text("$NodeData\n1\n\"a\"\n1\n0\n3\n0\n1\n"),
+        gmsh_text("")}) {
+    meshing::put_bytes(file, bytes);
+    const std::string expected = meshing::message_of([&] { meshing::read_solution(file); });
+    EXPECT_NE(expected, "no error");
+    for (const auto& exception : support::run_ranks_caught(3, [&](Peers& peers) {
+           MeshSlice slice;
+           slice.num_points = 5;
+           read_fields_share(peers, file.string(), slice, no_length);
+         }))
+      EXPECT_EQ(meshing::message_of([&] {
+                  if (exception) std::rethrow_exception(exception);
+                }),
+                expected);
+  }
+}
+
+TEST_F(FieldShares, OfAnotherMeshAreRefused) {
+  const auto file = directory / "m.msh";
+  meshing::put_bytes(file, gmsh_text(node_data("a", 1, 5, "900 1\n5 2\n70 3\n8 5\n3 6\n")));
+  for (const auto& exception : support::run_ranks_caught(2, [&](Peers& peers) {
+         MeshSlice slice;
+         slice.num_points = 6;
+         read_fields_share(peers, file.string(), slice, no_length);
+       }))
+    meshing::expect_contains(meshing::message_of([&] {
+                               if (exception) std::rethrow_exception(exception);
+                             }),
+                             "is of another mesh");
 }
 
 }  // namespace

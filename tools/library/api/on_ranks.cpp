@@ -45,7 +45,7 @@ tools::MeshShare read_mesh(Peers& peers, const std::string& file, DoneOnRanks& d
 
 void warn_of_fields(Peers& peers, const std::vector<std::string>& files, DoneOnRanks& done) {
   for (const std::string& file : files)
-    if (peers.ranks() > 1 && !tools::fields_in_ranges(file))
+    if (peers.ranks() > 1 && !tools::fields_in_shares(file))
       done.warnings.push_back(tools::read_whole_warning(file, "fields"));
 }
 
@@ -186,7 +186,7 @@ bool is_pvtu(const std::string& file) { return std::filesystem::path(file).exten
 Fields fields_to_convert(Peers& peers, const std::string& input, const std::string& solution,
                          const MeshSlice& slice, std::vector<Dropped>& dropped) {
   Fields fields{slice.points.size(), {}};
-  if (meshing::can_be_in_pieces(input)) {
+  if (meshing::is_mesh_name(input) && tools::has_own_fields_in_shares(input)) {
     tools::FieldsShare own = tools::read_own_fields_share(peers, input);
     fields = std::move(own.fields);
     partition::agree_on(peers, [&] { tools::check_values(input, fields, slice.first_point); });
@@ -208,9 +208,9 @@ bool can_convert_on_ranks(const std::string& input, const std::string& solution,
                           const WriteOptions& options) {
   try {
     const bool pieces = meshing::can_be_in_pieces(input);
-    return (pieces || !meshing::holds_fields(input)) &&
+    return (tools::has_own_fields_in_shares(input) || !meshing::holds_fields(input)) &&
            (pieces || meshing::can_be_streamed(input) || meshing::size_for_ranges(input)) &&
-           !meshing::has_association(input) && (solution.empty() || tools::fields_in_ranges(solution)) &&
+           !meshing::has_association(input) && (solution.empty() || tools::fields_in_shares(solution)) &&
            (is_pvtu(output) || partition::can_write_slices(output, options));
   } catch (const InputError&) {  // that whoever reads the file whole tells once
     return false;

@@ -67,9 +67,8 @@ struct ConvertedOnRanks : DoneOnRanks {
   MeshCounts counts;
   std::vector<Dropped> dropped;
 };
-/// Whether convert_on_ranks() can do it: from GMF (without a CAD model), UGRID, SU2, VTK or CGNS to .meshb,
-/// .vtu, .msh, .cgns, .su2, binary UGRID of 64-bit reals (these without options) or .pvtu, with fields of the
-/// input or in a .solb or .sol.
+/// Whether convert_on_ranks() can do it: from GMF (without a CAD model), MSH, UGRID, SU2, VTK or CGNS to any
+/// format of volumes, with fields of the input or in a file that all ranks read.
 WEFT_API bool can_convert_on_ranks(const std::string& input, const std::string& solution,
                                    const std::string& output, const WriteOptions& options);
 /// Writes a mesh in another format, with the fields of the input and of `solution` (empty: none) inside or

@@ -4,8 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <exception>
+#include <optional>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -184,6 +189,103 @@ void set_point_refs(Peers& peers, const std::vector<std::pair<std::uint32_t, std
       slice.point_refs[points[i] - slice.first_point] = values[i];
 }
 
+/// What rank 0 says of fields. Without padding.
+struct FieldNews {
+  enum class Kind : std::uint64_t { begin, rows, end, none } kind;
+  std::uint64_t length, points;  ///< of one that begins
+};
+
+/// Of all ranks. The reader's calls are those of rank 0; the others listen().
+class DealtFields final : public meshing::FieldStream {
+ public:
+  explicit DealtFields(Peers& peers) : peers_(peers) {}
+
+  void begin(const std::string& name, std::uint64_t length, std::uint64_t points) override {
+    std::vector<partition::Bytes> to_each = news({FieldNews::Kind::begin, length, points});
+    for (partition::Bytes& to : to_each) partition::append(to, name.data(), name.size());
+    exchange(std::move(to_each));
+  }
+  void take(std::vector<std::uint32_t> points, std::vector<double> values) override {
+    std::vector<partition::Bytes> to_each = news({FieldNews::Kind::rows, 0, 0});
+    const auto ranks = static_cast<std::uint64_t>(peers_.ranks()), length = field_->length();
+    const auto rank_of = [&](std::uint32_t p) { return ((p + std::uint64_t{1}) * ranks - 1) / num_points_; };
+    for (const std::uint32_t p : points) partition::append(to_each[rank_of(p)], &p, sizeof p);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      partition::append(to_each[rank_of(points[i])], &values[i * length], length * sizeof(double));
+    exchange(std::move(to_each));
+  }
+  void end() override { exchange(news({FieldNews::Kind::end, 0, 0})); }
+
+  /// Of rank 0: the others stop listening.
+  void end_all() { exchange(news({FieldNews::Kind::none, 0, 0})); }
+  void listen() {
+    while (exchange(std::vector<partition::Bytes>(static_cast<std::size_t>(peers_.ranks())))) {
+    }
+  }
+
+  FieldsShare share() {
+    result_.num_points = num_points_;
+    result_.fields.num_points = mine().count;
+    result_.dropped = std::move(drops_.dropped);
+    return std::move(result_);
+  }
+
+ private:
+  Share mine() const { return share_of(num_points_, peers_.rank(), peers_.ranks()); }
+  std::vector<partition::Bytes> news(const FieldNews& said) const {
+    return {static_cast<std::size_t>(peers_.ranks()), partition::bytes_of(std::vector{said})};
+  }
+
+  /// All ranks. Returns whether anything has been said.
+  bool exchange(std::vector<partition::Bytes> to_each) {
+    const partition::Bytes arrived = std::move(peers_.all_to_all(std::move(to_each))[0]);
+    FieldNews said;
+    std::memcpy(&said, arrived.data(), sizeof said);
+    const std::span rest = std::span(arrived).subspan(sizeof said);
+    switch (said.kind) {
+      case FieldNews::Kind::begin:
+        num_points_ = said.points;
+        field_.emplace(std::string(reinterpret_cast<const char*>(rest.data()), rest.size()), said.length,
+                       mine().first, mine().count);
+        break;
+      case FieldNews::Kind::rows:
+        add_rows(rest);
+        break;
+      case FieldNews::Kind::end:
+        keep_or_drop();
+        break;
+      case FieldNews::Kind::none:
+        return false;
+    }
+    return true;
+  }
+
+  /// The points of some rows, and then their values.
+  void add_rows(std::span<const std::byte> bytes) {
+    const std::uint64_t length = field_->length();
+    std::vector<std::uint32_t> points(bytes.size() / (sizeof(std::uint32_t) + length * sizeof(double)));
+    std::vector<double> values(points.size() * length);
+    if (points.empty()) return;
+    std::memcpy(points.data(), bytes.data(), points.size() * sizeof points[0]);
+    std::memcpy(values.data(), &bytes[points.size() * sizeof points[0]], values.size() * sizeof values[0]);
+    field_->add(points, values);
+  }
+
+  void keep_or_drop() {
+    if (partition::sum(peers_, field_->num_given()) < num_points_)
+      return drops_.drop(meshing::kFieldsWithGaps);
+    std::optional<Field> field = field_->take();
+    if (partition::max(peers_, std::uint8_t{!field}) != 0) return drops_.drop(meshing::kSkewTensors);
+    result_.fields.fields.push_back(std::move(*field));
+  }
+
+  Peers& peers_;
+  std::uint64_t num_points_ = 0;
+  std::optional<meshing::StreamedField> field_;
+  FieldsShare result_;
+  meshing::MeshContents drops_;
+};
+
 }  // namespace
 
 MeshShare read_dealt_share(Peers& peers, const std::string& file, meshing::OtherVolumes others) {
@@ -223,6 +325,23 @@ MeshShare read_dealt_share(Peers& peers, const std::string& file, meshing::Other
   share.names = std::move(rest.names);
   share.dropped = std::move(rest.dropped);
   return share;
+}
+
+FieldsShare read_dealt_fields(Peers& peers, const std::string& file) {
+  DealtFields fields(peers);
+  std::string problem;
+  if (peers.rank() == 0) {
+    try {
+      meshing::stream_fields(file, fields);
+    } catch (const std::exception& error) {
+      problem = error.what();
+    }
+    fields.end_all();
+  } else {
+    fields.listen();
+  }
+  partition::agree(peers, problem);
+  return fields.share();
 }
 
 }  // namespace weft::tools

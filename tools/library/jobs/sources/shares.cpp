@@ -82,8 +82,12 @@ Share share_of(std::uint64_t total, int rank, int ranks) {
   return {first, total * (r + 1) / n - first};
 }
 
-bool fields_in_ranges(const std::string& file) {
-  return is_gmf_solution(file) || (meshing::is_mesh_name(file) && meshing::can_be_in_pieces(file));
+bool has_own_fields_in_shares(const std::string& file) {
+  return meshing::can_be_in_pieces(file) || meshing::can_stream_fields(file);
+}
+
+bool fields_in_shares(const std::string& file) {
+  return is_gmf_solution(file) || (meshing::is_mesh_name(file) && has_own_fields_in_shares(file));
 }
 
 MeshShare read_mesh_share(Peers& peers, const std::string& file, meshing::OtherVolumes others) {
@@ -130,7 +134,7 @@ Fields read_fields_share(Peers& peers, const std::string& file, const MeshSlice&
     });
     return fields;
   }
-  if (fields_in_ranges(file)) {
+  if (fields_in_shares(file)) {
     FieldsShare own = read_own_fields_share(peers, file);
     if (own.fields.fields.empty()) throw InputError(file, "", "holds no fields at vertices");
     check_length(own.num_points);
@@ -145,7 +149,8 @@ Fields read_fields_share(Peers& peers, const std::string& file, const MeshSlice&
 }
 
 FieldsShare read_own_fields_share(Peers& peers, const std::string& file) {
-  return PieceShares(peers, file).fields(peers);
+  return meshing::can_stream_fields(file) ? read_dealt_fields(peers, file)
+                                          : PieceShares(peers, file).fields(peers);
 }
 
 MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricField& metric) {

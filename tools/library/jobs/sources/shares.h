@@ -39,13 +39,15 @@ struct FieldsShare {
 MeshShare read_mesh_share(partition::Peers& peers, const std::string& file,
                           meshing::OtherVolumes others = meshing::OtherVolumes::refused);
 
-/// All ranks: the fields in a mesh file of which meshing::can_be_in_pieces(), at the points of its shares;
-/// none where it has none. Throws InputError alike on all ranks.
+/// Whether the fields in a mesh file are read in shares.
+bool has_own_fields_in_shares(const std::string& file);
+/// All ranks: those, at the points of the shares of the mesh; none where it has none. Throws InputError alike
+/// on all ranks.
 FieldsShare read_own_fields_share(partition::Peers& peers, const std::string& file);
 
-/// All ranks: the fields of a file at the points of the slice of a mesh: GMF, VTK and CGNS in ranges, else
-/// dealt out by rank 0. Throws InputError alike on all ranks, with of_another_mesh(its vertices) as the
-/// reason where it has another number of vertices than the mesh.
+/// All ranks: the fields of a file at the points of the slice of a mesh: GMF, VTK and CGNS in ranges, of
+/// .msh rank 0 deals them out as it reads, of others whole. Throws InputError alike on all ranks, with
+/// of_another_mesh(its vertices) as the reason where it has another number of vertices than the mesh.
 Fields read_fields_share(partition::Peers& peers, const std::string& file, const partition::MeshSlice& slice,
                          const std::function<std::string(std::uint64_t)>& of_another_mesh);
 
@@ -58,8 +60,8 @@ partition::MeshSlice deal_out(partition::Peers& peers, const meshing::MeshData& 
 /// All ranks: the fields that rank 0 has, at the points of the slices.
 Fields deal_fields(partition::Peers& peers, const Fields& whole, const partition::MeshSlice& slice);
 
-/// Whether read_fields_share() reads ranges of the file.
-bool fields_in_ranges(const std::string& file);
+/// Whether no rank holds them all in read_fields_share().
+bool fields_in_shares(const std::string& file);
 /// All ranks: what the whole mesh has.
 meshing::ContentCounts counts_of_slices(partition::Peers& peers, const partition::MeshSlice& slice);
 /// That rank 0 has held all of a file, of which `what` are not read in shares; for the user.

@@ -151,7 +151,7 @@ void warn_of_fields(Peers& peers, const Files& files, const Options& options, Sl
   std::vector<std::string> all = files_of(options.metric);
   all.insert(all.end(), files.fields.begin(), files.fields.end());
   for (const std::string& file : all)
-    if (!fields_in_ranges(file)) input.warnings.push_back(read_whole_warning(file, "fields"));
+    if (!fields_in_shares(file)) input.warnings.push_back(read_whole_warning(file, "fields"));
 }
 
 /// The values of all ranks on rank 0, in their order; elsewhere none.
