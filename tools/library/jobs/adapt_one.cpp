@@ -162,12 +162,12 @@ class OneMesh {
     result_.left_as_is = meshing::fit_of(input_.mesh, field_);
     if (result_.left_as_is && !meshing::is_complete(input_.mesh)) result_.left_as_is.reset();
     if (!result_.left_as_is) return false;
-    result_.mesh = input_.mesh;
+    result_.mesh = input_.own ? std::move(*input_.own) : input_.mesh;
     result_.mesh.association = {};
     result_.metric = Metric::from_logarithms(std::move(field_));
     result_.hausd = options_.geometry.hausd > 0
                         ? options_.geometry.hausd
-                        : meshing::kHausdOfDiagonal * norm(meshing::box_of(input_.mesh.points).size());
+                        : meshing::kHausdOfDiagonal * norm(meshing::box_of(result_.mesh.points).size());
     result_.output_counts = count(result_.mesh);
     work_->adapted(static_cast<double>(result_.output_counts.tets));
     result_.times.adapt = watch_.lap();
@@ -238,7 +238,7 @@ class OneMesh {
     watch_.lap();
     Transfer carried = naming(input_.name, [&] {
       if (result_.left_as_is)
-        return meshing::keep_fields(meshing::WholeDomain(input_.mesh), input_.fields, options_.transfer);
+        return meshing::keep_fields(meshing::WholeDomain(result_.mesh), input_.fields, options_.transfer);
       return meshing::transfer(input_.mesh, input_.fields, result_.mesh, options_.transfer,
                                &monitor_.caller_waits());
     });

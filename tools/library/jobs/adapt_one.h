@@ -22,6 +22,7 @@ struct AdaptInput {
   const meshing::SolutionData& fields;              ///< at the vertices of `mesh`, to be carried along
   /// Unless null, gets the CAD model that the mesh lies on, if any.
   std::shared_ptr<const meshing::Model>* model = nullptr;
+  meshing::MeshData* own = nullptr;  ///< `mesh`, where that may be taken for the result
 };
 
 /// Throws InputError. Times of reading and writing, the total and the goals' asking are left to the caller.

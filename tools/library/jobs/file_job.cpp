@@ -89,15 +89,17 @@ class FileJob {
                            files_.background,
                            source_ ? &*source_ : nullptr,
                            fields_,
-                           &model_};
+                           &model_,
+                           &input_};
+    const meshing::ContentCounts counts = meshing::counts_of(input_);
     result_ = adapt_one(input, options_, monitor_);
     if (std::string other = carry_model(options_.geometry, result_.mesh.association); !other.empty())
       result_.warnings.push_back(std::move(other));
     result_.times.read = read_seconds_;
     result_.mends = std::move(mends_);
-    std::ranges::move(loss_warnings(run_.outputs.mesh, files_.input, meshing::counts_of(input_), names_,
-                                    !options_.geometry.model.empty()),
-                      std::back_inserter(result_.warnings));
+    std::ranges::move(
+        loss_warnings(run_.outputs.mesh, files_.input, counts, names_, !options_.geometry.model.empty()),
+        std::back_inserter(result_.warnings));
     std::ranges::move(left_fields_, std::back_inserter(result_.warnings));
     fields_ = {};
     watch_.lap();
