@@ -75,9 +75,9 @@ MeshSlice slice_of_pieces(Peers& peers, std::span<const MeshPiece> mine, const N
   for (std::size_t p = 0; p < mine.size(); ++p) {
     const OwnEntities own = own_entities(mine[p], numbering.pieces[p]);
     point_mail.add(numbering.pieces[p].first.points, own.points, [](const meshing::Point& x) { return x; });
-    tet_mail.add(numbering.pieces[p].first.tets, own.tets, [](const std::array<std::uint64_t, 4>& t) {
-      meshing::Tet tet;
-      for (std::size_t i = 0; i < 4; ++i) tet[i] = static_cast<std::uint32_t>(t[i]);
+    const std::vector<std::uint64_t>& numbers = numbering.pieces[p].points;
+    tet_mail.add(numbering.pieces[p].first.tets, mine[p].mesh.tets, [&](meshing::Tet tet) {
+      for (std::uint32_t& v : tet) v = static_cast<std::uint32_t>(numbers[v]);
       return tet;
     });
   }

@@ -42,13 +42,14 @@ void append_on_model(const OwnEntities& own, meshing::Association& to) {
     to.faces.push_back({vertex(r), r.id, r.reals[0], r.reals[1], r.reals[2]});
 }
 
-void append(const OwnEntities& own, const std::vector<std::int32_t>& tet_refs, MergedMesh& whole) {
+void append(const MeshPiece& piece, const PieceNumbers& numbers, MergedMesh& whole) {
   meshing::MeshData& mesh = whole.mesh;
+  const OwnEntities own = own_entities(piece, numbers);
   append(own.points, mesh.points);
   append(own.point_refs, mesh.point_refs);
-  append(own.log_metrics, whole.log_metrics);
-  append_narrow(own.tets, mesh.tets);
-  append(tet_refs, mesh.tet_refs);
+  append(own_log_metrics(piece, numbers), whole.log_metrics);
+  append_narrow(own_tets(piece, numbers), mesh.tets);
+  append(piece.mesh.tet_refs, mesh.tet_refs);
   append_narrow(own.triangles, mesh.triangles);
   append(own.triangle_refs, mesh.triangle_refs);
   append_narrow(own.edges, mesh.edges);
@@ -71,8 +72,7 @@ MergedMesh merge_pieces(std::span<const MeshPiece> pieces) {
   for (std::size_t p = 0; p < order.size(); ++p) order[p] = p;
   std::ranges::sort(order, {}, [&](std::size_t p) { return pieces[p].subdomain; });
   MergedMesh whole;
-  for (const std::size_t p : order)
-    append(own_entities(pieces[p], numbering.pieces[p]), pieces[p].mesh.tet_refs, whole);
+  for (const std::size_t p : order) append(pieces[p], numbering.pieces[p], whole);
   return whole;
 }
 

@@ -41,12 +41,24 @@ struct Share {
   const PieceFields& fields;
 };
 
-void write_rows(GmfSliceWriter& out, const OwnEntities& own, const std::vector<std::int32_t>& tet_refs,
-                const MeshCounts& first) {
+/// By so many tets at a time: a piece may be all that a rank has.
+void write_tets(GmfSliceWriter& out, const MeshPiece& piece, const PieceNumbers& numbers) {
+  constexpr std::size_t kAtOnce = std::size_t{1} << 14;
+  const std::vector<std::int32_t>& refs = piece.mesh.tet_refs;
+  for (std::size_t begin = 0; begin < refs.size(); begin += kAtOnce) {
+    const std::size_t n = std::min(kAtOnce, refs.size() - begin);
+    out.elements(kTetrahedra, numbers.first.tets + begin, own_tets(piece, numbers, begin, n),
+                 std::span(refs).subspan(begin, n));
+  }
+}
+
+void write_rows(GmfSliceWriter& out, const MeshPiece& piece, const PieceNumbers& numbers) {
+  const OwnEntities own = own_entities(piece, numbers);
+  const MeshCounts& first = numbers.first;
   out.vertices(first.points, own.points, own.point_refs);
   out.elements(kEdges, first.edges, own.edges, own.edge_refs);
   out.elements(kTriangles, first.triangles, own.triangles, own.triangle_refs);
-  out.elements(kTetrahedra, first.tets, own.tets, tet_refs);
+  write_tets(out, piece, numbers);
   out.indices(kCorners, first.corners, own.corners);
   out.indices(kRidges, first.ridges, own.ridges);
   out.indices(kRequiredVertices, first.required_points, own.required_points);
@@ -59,11 +71,7 @@ void write_rows(GmfSliceWriter& out, const OwnEntities& own, const std::vector<s
 
 /// The metrics of the vertices that a piece owns.
 meshing::SolutionData own_metrics(const MeshPiece& piece, const PieceNumbers& numbers) {
-  meshing::LogMetricField own;
-  for (std::size_t v = 0; v < piece.log_metrics.size(); ++v) {
-    if (numbers.share.points[v]) own.push_back(piece.log_metrics[v]);
-  }
-  return meshing::solution_from_metric(own);
+  return meshing::solution_from_metric(own_log_metrics(piece, numbers));
 }
 
 /// The fields at the vertices that piece `p` owns.
@@ -107,9 +115,7 @@ std::vector<GmfPart> gmf_parts(const Share& share, const meshing::Association& c
   if (share.first) parts.push_back({0, [&carried](GmfSliceWriter& out) { out.model(carried); }});
   for (std::size_t p = 0; p < share.pieces.size(); ++p)
     parts.push_back({std::uint64_t{share.pieces[p].subdomain.value} + 1, [&share, p](GmfSliceWriter& out) {
-                       const MeshPiece& piece = share.pieces[p];
-                       const PieceNumbers& numbers = share.numbering.pieces[p];
-                       write_rows(out, own_entities(piece, numbers), piece.mesh.tet_refs, numbers.first);
+                       write_rows(out, share.pieces[p], share.numbering.pieces[p]);
                      }});
   return parts;
 }
@@ -121,12 +127,13 @@ void for_parts(const Share& share, const std::vector<FirstWithRef>& firsts, bool
   for (std::size_t p = 0; p < share.pieces.size(); ++p) {
     const PieceNumbers& numbers = share.numbering.pieces[p];
     const OwnEntities own = own_entities(share.pieces[p], numbers);
+    const auto tets = own_tets(share.pieces[p], numbers);
     const meshing::SolutionData fields = values_inside ? own_values(share, p) : meshing::SolutionData{};
     action(p,
            meshing::MeshPart{numbers.first.points,
                              own.points,
                              own.point_refs,
-                             {own.tets, share.pieces[p].mesh.tet_refs, numbers.first.tets, firsts[p].tets},
+                             {tets, share.pieces[p].mesh.tet_refs, numbers.first.tets, firsts[p].tets},
                              {own.triangles, own.triangle_refs, numbers.first.triangles, firsts[p].triangles},
                              {own.edges, own.edge_refs, numbers.first.edges, firsts[p].edges},
                              fields});

@@ -1,6 +1,7 @@
 // Picks what is flagged and renumbers it.
 #include "partition/output/own_entities.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace weft::partition {
@@ -25,6 +26,15 @@ void pick(const std::vector<std::array<std::uint32_t, N>>& entities, const std::
     picked.push_back(renumbered(entities[e], numbers));
     picked_refs.push_back(refs[e]);
   }
+}
+
+template <class T>
+std::vector<T> pick_values(const std::vector<T>& values, const Flags& own) {
+  std::vector<T> picked;
+  picked.reserve(static_cast<std::size_t>(std::ranges::count(own, 1)));
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (own[i]) picked.push_back(values[i]);
+  return picked;
 }
 
 /// The points of a list whose entries have their own flags.
@@ -68,14 +78,8 @@ OwnEntities own_entities(const MeshPiece& piece, const PieceNumbers& numbers) {
   const meshing::MeshData& mesh = piece.mesh;
   const PieceShare& share = numbers.share;
   OwnEntities own;
-  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    if (!share.points[v]) continue;
-    own.points.push_back(mesh.points[v]);
-    own.point_refs.push_back(mesh.point_refs[v]);
-    own.log_metrics.push_back(piece.log_metrics[v]);
-  }
-  own.tets.reserve(mesh.tets.size());
-  for (const auto& tet : mesh.tets) own.tets.push_back(renumbered(tet, numbers.points));
+  own.points = pick_values(mesh.points, share.points);
+  own.point_refs = pick_values(mesh.point_refs, share.points);
   pick(mesh.triangles, mesh.triangle_refs, share.triangles, numbers.points, own.triangles, own.triangle_refs);
   pick(mesh.edges, mesh.edge_refs, share.edges, numbers.points, own.edges, own.edge_refs);
   own.corners = pick_points(mesh.corners, share.corners, numbers.points);
@@ -95,6 +99,17 @@ OwnEntities own_entities(const MeshPiece& piece, const PieceNumbers& numbers) {
       pick_records(mesh.association.faces, share.on_faces, numbers.points, [](const On::OnFace& r) {
         return Reals{r.u, r.v, r.last};
       });
+  return own;
+}
+
+meshing::LogMetricField own_log_metrics(const MeshPiece& piece, const PieceNumbers& numbers) {
+  return pick_values(piece.log_metrics, numbers.share.points);
+}
+
+std::vector<std::array<std::uint64_t, 4>> own_tets(const MeshPiece& piece, const PieceNumbers& numbers,
+                                                   std::size_t first, std::size_t count) {
+  std::vector<std::array<std::uint64_t, 4>> own(count);
+  for (std::size_t i = 0; i < count; ++i) own[i] = renumbered(piece.mesh.tets[first + i], numbers.points);
   return own;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -12,13 +13,11 @@
 
 namespace weft::partition {
 
-/// What a piece contributes: its own entities (PieceShare), in its order, by numbers of the whole mesh. Their
-/// own numbers count on from PieceNumbers::first.
+/// What a piece contributes besides its tets: its own entities (PieceShare), in its order, by numbers of the
+/// whole mesh. Their own numbers count on from PieceNumbers::first.
 struct OwnEntities {
   std::vector<meshing::Point> points;
   std::vector<std::int32_t> point_refs;
-  meshing::LogMetricField log_metrics;
-  std::vector<std::array<std::uint64_t, 4>> tets;
   std::vector<std::array<std::uint64_t, 3>> triangles;
   std::vector<std::int32_t> triangle_refs;
   std::vector<std::array<std::uint64_t, 2>> edges;
@@ -29,7 +28,15 @@ struct OwnEntities {
   std::vector<meshing::gmf::ModelRow> on_nodes, on_edges, on_faces;
 };
 
-/// Tet references are those of the piece.
 OwnEntities own_entities(const MeshPiece& piece, const PieceNumbers& numbers);
+/// Metrics of its own points.
+meshing::LogMetricField own_log_metrics(const MeshPiece& piece, const PieceNumbers& numbers);
+/// Some of the tets, all of which are its own, with the references of the piece.
+std::vector<std::array<std::uint64_t, 4>> own_tets(const MeshPiece& piece, const PieceNumbers& numbers,
+                                                   std::size_t first, std::size_t count);
+inline std::vector<std::array<std::uint64_t, 4>> own_tets(const MeshPiece& piece,
+                                                          const PieceNumbers& numbers) {
+  return own_tets(piece, numbers, 0, piece.mesh.tets.size());
+}
 
 }  // namespace weft::partition

@@ -33,6 +33,7 @@ class FilePart {
 
   /// Where the next byte goes.
   void seek(std::uint64_t position) {
+    if (position == this->position()) return;
     flush();
     flushed_ = position;
   }

@@ -84,7 +84,7 @@ class GmfSliceWriter {
   template <std::size_t N>
   void elements(gmf::Keyword section, std::uint64_t first,
                 const std::vector<std::array<std::uint64_t, N>>& elements,
-                const std::vector<std::int32_t>& refs) {
+                std::span<const std::int32_t> refs) {
     write(section, first, elements.size(), [&](auto& out) { gmf::write_elements(out, elements, refs); });
   }
   void indices(gmf::Keyword section, std::uint64_t first, const std::vector<std::uint64_t>& indices);

@@ -124,7 +124,7 @@ void write_vertices(Writer& out, std::span<const Point> points, std::span<const 
 /// Elements of 0-based numbers of points, 32 or 64 bits wide.
 template <class Writer, class Number, std::size_t N>
 void write_elements(Writer& out, const std::vector<std::array<Number, N>>& elements,
-                    const std::vector<std::int32_t>& refs) {
+                    std::span<const std::int32_t> refs) {
   for (std::size_t i = 0; i < elements.size(); ++i) {
     for (const Number vertex : elements[i]) out.index(static_cast<std::int64_t>(vertex) + 1);
     out.index(refs[i]);
