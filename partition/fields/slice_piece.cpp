@@ -80,10 +80,11 @@ SlicePiece piece_of_slice(Peers& peers, const MeshSlice& slice, SliceMetric metr
   piece.mesh.points =
       fetch<meshing::Point>(peers, points, numbers, [&](std::size_t i) { return slice.points[i]; });
   piece.mesh.point_refs.resize(numbers.size());
-  piece.log_metrics.resize(numbers.size());
   if (metric == SliceMetric::given)
     piece.log_metrics = fetch<meshing::LogMetric>(peers, points, numbers,
                                                   [&](std::size_t i) { return slice.log_metrics[i]; });
+  else
+    piece.log_metrics.resize(numbers.size());
   piece.ids.reserve(numbers.size());
   for (const std::uint32_t number : numbers) piece.ids.emplace_back(SubdomainId(0), number);
   piece.shared = others_of(peers, slice, points, numbers);
