@@ -152,7 +152,8 @@ TEST(GmfPlans, ChooseTheVersionBySizeAndPlaceRowsBeyondFourGibibytes) {
     const std::vector<Point> last = {{0.5, -1, 2}};
     const std::vector<std::int32_t> ref = {7};
     out.vertices(points - 1, last, ref);
-    out.elements(gmf::kTetrahedra, 0, std::vector<std::array<std::uint64_t, 4>>{{0, 1, 2, points - 1}}, {3});
+    out.elements(gmf::kTetrahedra, 0, std::vector<std::array<std::uint64_t, 4>>{{0, 1, 2, points - 1}},
+                 std::vector<std::int32_t>{3});
     out.frame();
     out.finish();
     const GmfLayout layout = read_gmf_layout(directory / "m.meshb");
