@@ -24,6 +24,8 @@ class FieldStream {
   /// Rows of these points, in any order; of several of a point the last counts.
   virtual void take(std::vector<std::uint32_t> points, std::vector<double> values) = 0;
   virtual void end() = 0;
+  /// Something else of the file that has no place here.
+  virtual void drop(const std::string& what) = 0;
 };
 
 // What of fields that were streamed is none (MeshContents::dropped).
@@ -58,6 +60,7 @@ class FieldCollector final : public FieldStream {
   void begin(const std::string& name, std::uint64_t length, std::uint64_t points) override;
   void take(std::vector<std::uint32_t> points, std::vector<double> values) override;
   void end() override;
+  void drop(const std::string& what) override { contents_.drop(what); }
 
  private:
   MeshContents& contents_;

@@ -312,7 +312,8 @@ class Reader {
   void skip_section(const std::string& name) {
     if (!in_.find("$End" + name)) in_.fail("has no end");
     in_.line();
-    if (name != "Comments" && name != "NodeData") contents_.drop("sections $" + name);
+    if (!fields_ || name == "Comments") return;  // of a mesh alone: who reads the fields tells
+    fields_->drop("sections $" + name);
   }
 
   void read_names() {

@@ -15,7 +15,8 @@ namespace weft::meshing {
 /// the geometric entities. Node data are fields. Other elements, those between partitions, and sections are
 /// dropped. Throws InputError naming file, entity and reason.
 MeshContents read_gmsh(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
-/// The same without node data, and but for points and tets, which go to the stream. Of nodes tagged 1, 2, 3
+/// The same without node data and what is dropped of sections, and but for points and tets, which go to the
+/// stream. Of nodes tagged 1, 2, 3
 /// ... nothing is kept, of others their tags.
 MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& mesh);
 /// The node data alone, value by value: the whole file is passed over, and nothing kept but its triangles,

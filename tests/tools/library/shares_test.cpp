@@ -227,6 +227,28 @@ TEST_F(FieldShares, OfNodesInAnyOrderWithGapsAndTwice) {
   }
 }
 
+/// Sections that ranges of the mesh do not see, and fields of several blocks.
+TEST_F(FieldShares, TellWhatElseIsInTheFile) {
+  MeshContents box;
+  box.mesh = meshing::structured_box({{40, 40, 40}, {0, 0, 0}, {1, 1, 1}});
+  box.complete();
+  const std::size_t n = box.mesh.points.size();
+  ASSERT_GT(n, meshing::FieldStream::kRows);
+  box.fields = {n, {{Field::Kind::scalar, std::vector<double>(n), "a"}}};
+  for (std::size_t i = 0; i < n; ++i) box.fields.fields[0].values[i] = 1.0 / static_cast<double>(i + 1);
+  const auto file = directory / "m.msh";
+  meshing::write_mesh_contents(file, box);
+  meshing::put_bytes(file,
+                     meshing::bytes_of(file) + "$Foo\n1\n$EndFoo\n$Foo\n$EndFoo\n$Comments\n$EndComments\n");
+  const MeshContents whole = meshing::read_mesh_contents(file);
+  EXPECT_EQ(texts_of(whole.dropped), std::vector<std::string>{"2 sections $Foo"});
+  expect_fields(file.string(), 3);
+  support::run_ranks(3, [&](Peers& peers) {
+    EXPECT_TRUE(read_mesh_share(peers, file.string()).dropped.empty());
+    EXPECT_EQ(texts_of(read_own_fields_share(peers, file.string()).dropped), texts_of(whole.dropped));
+  });
+}
+
 TEST_F(FieldShares, ThatAreDamagedAreRefusedOnAllRanksInTheSameWords) {
   const auto file = directory / "m.msh";
   const std::string rows = "900 1\n5 2\n70 3\n4 4\n8 5\n3 6\n";

@@ -191,7 +191,7 @@ void set_point_refs(Peers& peers, const std::vector<std::pair<std::uint32_t, std
 
 /// What rank 0 says of fields. Without padding.
 struct FieldNews {
-  enum class Kind : std::uint64_t { begin, rows, end, none } kind;
+  enum class Kind : std::uint64_t { begin, rows, end, drop, none } kind;
   std::uint64_t length, points;  ///< of one that begins
 };
 
@@ -201,9 +201,7 @@ class DealtFields final : public meshing::FieldStream {
   explicit DealtFields(Peers& peers) : peers_(peers) {}
 
   void begin(const std::string& name, std::uint64_t length, std::uint64_t points) override {
-    std::vector<partition::Bytes> to_each = news({FieldNews::Kind::begin, length, points});
-    for (partition::Bytes& to : to_each) partition::append(to, name.data(), name.size());
-    exchange(std::move(to_each));
+    exchange(news({FieldNews::Kind::begin, length, points}, name));
   }
   void take(std::vector<std::uint32_t> points, std::vector<double> values) override {
     std::vector<partition::Bytes> to_each = news({FieldNews::Kind::rows, 0, 0});
@@ -215,6 +213,7 @@ class DealtFields final : public meshing::FieldStream {
     exchange(std::move(to_each));
   }
   void end() override { exchange(news({FieldNews::Kind::end, 0, 0})); }
+  void drop(const std::string& what) override { exchange(news({FieldNews::Kind::drop, 0, 0}, what)); }
 
   /// Of rank 0: the others stop listening.
   void end_all() { exchange(news({FieldNews::Kind::none, 0, 0})); }
@@ -232,8 +231,10 @@ class DealtFields final : public meshing::FieldStream {
 
  private:
   Share mine() const { return share_of(num_points_, peers_.rank(), peers_.ranks()); }
-  std::vector<partition::Bytes> news(const FieldNews& said) const {
-    return {static_cast<std::size_t>(peers_.ranks()), partition::bytes_of(std::vector{said})};
+  std::vector<partition::Bytes> news(const FieldNews& said, const std::string& text = {}) const {
+    partition::Bytes bytes = partition::bytes_of(std::vector{said});
+    partition::append(bytes, text.data(), text.size());
+    return {static_cast<std::size_t>(peers_.ranks()), bytes};
   }
 
   /// All ranks. Returns whether anything has been said.
@@ -242,17 +243,20 @@ class DealtFields final : public meshing::FieldStream {
     FieldNews said;
     std::memcpy(&said, arrived.data(), sizeof said);
     const std::span rest = std::span(arrived).subspan(sizeof said);
+    const auto text = [&] { return std::string(reinterpret_cast<const char*>(rest.data()), rest.size()); };
     switch (said.kind) {
       case FieldNews::Kind::begin:
         num_points_ = said.points;
-        field_.emplace(std::string(reinterpret_cast<const char*>(rest.data()), rest.size()), said.length,
-                       mine().first, mine().count);
+        field_.emplace(text(), said.length, mine().first, mine().count);
         break;
       case FieldNews::Kind::rows:
         add_rows(rest);
         break;
       case FieldNews::Kind::end:
         keep_or_drop();
+        break;
+      case FieldNews::Kind::drop:
+        drops_.drop(text());
         break;
       case FieldNews::Kind::none:
         return false;
