@@ -6,6 +6,7 @@
 #include <array>
 #include <exception>
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -133,6 +134,11 @@ TEST(MeshShare, OfCgnsWithMixedElementsIsReadByEachRank) {
 struct FieldFile {
   const char* name;
   meshing::WriteOptions options = {};
+
+  friend void PrintTo(const FieldFile& file, std::ostream* out) {
+    *out << file.name << (file.options.encoding == meshing::WriteOptions::Encoding::ascii ? " text" : "")
+         << " version " << file.options.gmsh_version;
+  }
 };
 
 std::string no_length(std::uint64_t) { return "is of another mesh"; }
