@@ -28,9 +28,8 @@ class FieldStream {
   virtual void drop(const std::string& what) = 0;
 };
 
-// What of fields that were streamed is none (MeshContents::dropped).
+/// What of fields that were streamed is none (MeshContents::dropped), besides kSkewTensors.
 inline constexpr const char* kFieldsWithGaps = "fields without a value at every node";
-inline constexpr const char* kSkewTensors = "fields of tensors that are not symmetric";
 
 /// One field at some points that follow each other, as it comes.
 class StreamedField {

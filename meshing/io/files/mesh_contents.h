@@ -89,6 +89,8 @@ MeshContents surface_of(const MeshView& contents);
 inline constexpr int kFullTensorPlaces[9] = {0, 1, 3, 1, 2, 4, 3, 4, 5};
 /// Makes a symmetric tensor field of full tensors; false where they are not symmetric.
 bool fold_full_tensors(const std::vector<double>& full, std::vector<double>& folded);
+/// As which these are dropped then.
+inline constexpr const char* kSkewTensors = "fields of tensors that are not symmetric";
 
 /// The name of field `i`, or "field_N" for one without.
 std::string field_name(const SolutionData& fields, std::size_t i);

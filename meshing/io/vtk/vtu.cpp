@@ -378,7 +378,7 @@ class PieceReader {
                 name};
     if (length == 9) {
       if (!fold_full_tensors(values, field.values)) {
-        if (!range_) return contents.drop("fields of tensors that are not symmetric");
+        if (!range_) return contents.drop(kSkewTensors);
         field.values.clear();
       }
     } else if (length == 6) {

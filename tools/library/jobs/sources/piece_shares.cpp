@@ -210,7 +210,7 @@ class CommonFields {
       if (head.fits) {
         match(head);
       } else {
-        drops_.push_back({head.piece, {"fields of tensors that are not symmetric", 1}});
+        drops_.push_back({head.piece, {meshing::kSkewTensors, 1}});
       }
     }
     for (Known& known : known_) {
