@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "meshing/mesh/face_matcher.h"
 #include "meshing/mesh/tet_tables.h"
 
 namespace weft::partition {
@@ -117,9 +116,13 @@ class Cutting {
       parts.log_metrics.push_back(log_metrics_[v]);
       names.push_back(ids_[v]);
     }
-    std::vector<std::array<std::uint32_t, 4>> of_tets = neighbours(parts);
-    parts.border = border_of(parts.tets, of_tets, names);
-    return std::make_shared<const BackgroundPiece>(parts, std::move(of_tets));
+    parts.neighbours = neighbours(parts);
+    parts.border = border_of(parts.tets, parts.neighbours, names);
+    for (std::uint32_t i = 0; i < parts.border.size(); ++i) {
+      const std::uint64_t code = parts.border[i].code;
+      parts.neighbours[code >> 2][code & 3] = meshing::BackgroundBlock::kOpen | i;
+    }
+    return std::make_shared<const BackgroundPiece>(parts);
   }
 
  private:
@@ -152,19 +155,17 @@ std::vector<std::array<std::uint32_t, 4>> neighbours_within(const Adjacency& adj
 /// elements that are some times 8 bytes.
 struct Head {
   std::uint64_t id;
-  std::array<std::uint64_t, 4> sizes;
+  std::array<std::uint64_t, 5> sizes;
 };
 
 template <class Piece, class F>
 void for_each_list(Piece& p, const F& f) {
-  f(p.points), f(p.log_metrics), f(p.border), f(p.tets);
+  f(p.points), f(p.log_metrics), f(p.border), f(p.tets), f(p.neighbours);
 }
 
 }  // namespace
 
-BackgroundPiece::BackgroundPiece(const BackgroundPieceParts& parts,
-                                 std::vector<std::array<std::uint32_t, 4>> of_tets)
-    : neighbours(std::move(of_tets)) {
+BackgroundPiece::BackgroundPiece(const BackgroundPieceParts& parts) {
   Head head{parts.id, {}};
   std::size_t size = sizeof head, i = 0;
   for_each_list(parts, [&](const auto& list) {
@@ -182,14 +183,11 @@ BackgroundPiece::BackgroundPiece(const BackgroundPieceParts& parts,
   bytes_ = std::as_bytes(std::span(*words));
   owner_ = words;
   find_parts();
-  number_open_faces();
 }
 
 BackgroundPiece::BackgroundPiece(std::span<const std::byte> bytes, std::shared_ptr<const void> owner)
     : bytes_(bytes), owner_(std::move(owner)) {
   find_parts();
-  find_neighbours();
-  number_open_faces();
 }
 
 void BackgroundPiece::find_parts() {
@@ -209,26 +207,6 @@ void BackgroundPiece::find_parts() {
     next += count * sizeof(T);
   });
   require(next == bytes_.size());
-}
-
-void BackgroundPiece::number_open_faces() {
-  for (std::uint32_t i = 0; i < border.size(); ++i)
-    neighbours[border[i].code >> 2][border[i].code & 3] = meshing::BackgroundBlock::kOpen | i;
-}
-
-void BackgroundPiece::find_neighbours() {
-  neighbours.assign(tets.size(), {kNoNeighbour, kNoNeighbour, kNoNeighbour, kNoNeighbour});
-  meshing::FaceMatcher faces(points.size());
-  for (std::uint32_t t = 0; t < tets.size(); ++t)
-    for (std::uint32_t f = 0; f < 4; ++f) {
-      const auto& corners = meshing::kTetFaces[f];
-      const std::uint32_t code = 4 * t + f;
-      const std::uint32_t other =
-          faces.match({tets[t][corners[0]], tets[t][corners[1]], tets[t][corners[2]]}, code);
-      if (other == kNoNeighbour) continue;
-      neighbours[t][f] = other;
-      neighbours[other >> 2][other & 3] = code;
-    }
 }
 
 std::vector<std::shared_ptr<const BackgroundPiece>> cut_background(

@@ -29,6 +29,9 @@ struct BackgroundPieceParts {
   std::vector<meshing::LogMetric> log_metrics;
   std::vector<OpenFace> border;  ///< by name
   std::vector<std::array<std::uint32_t, 4>> tets;
+  /// Of the tets, as meshing::Adjacency; at the piece's border BackgroundBlock::kOpen and the place in
+  /// `border`.
+  std::vector<std::array<std::uint32_t, 4>> neighbours;
 };
 
 /// Some hundreds of tets of the background's mesh with their metric, cut out once and never changed: the unit
@@ -37,8 +40,7 @@ struct BackgroundPieceParts {
 struct BackgroundPiece {
   using OpenFace = BackgroundPieceParts::OpenFace;
 
-  /// `neighbours`: of the tets, as meshing::Adjacency, kNoNeighbour at the border.
-  BackgroundPiece(const BackgroundPieceParts& parts, std::vector<std::array<std::uint32_t, 4>> neighbours);
+  explicit BackgroundPiece(const BackgroundPieceParts& parts);
   /// Of bytes() of another; `owner` keeps them, aligned as a double is. Throws std::runtime_error where they
   /// do not have the size that they say.
   BackgroundPiece(std::span<const std::byte> bytes, std::shared_ptr<const void> owner);
@@ -48,17 +50,13 @@ struct BackgroundPiece {
   std::span<const meshing::Point> points;
   std::span<const meshing::LogMetric> log_metrics;
   std::span<const OpenFace> border;
-  std::span<const std::array<std::uint32_t, 4>> tets;
-  /// As meshing::Adjacency; at the piece's border BackgroundBlock::kOpen and the place in `border`.
-  std::vector<std::array<std::uint32_t, 4>> neighbours;
+  std::span<const std::array<std::uint32_t, 4>> tets, neighbours;
 
   std::span<const std::byte> bytes() const { return bytes_; }
   const std::shared_ptr<const void>& owner() const { return owner_; }
 
  private:
   void find_parts();
-  void find_neighbours();
-  void number_open_faces();
 
   std::span<const std::byte> bytes_;
   std::shared_ptr<const void> owner_;

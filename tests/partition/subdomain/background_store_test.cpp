@@ -205,7 +205,7 @@ TEST(BackgroundPiece, IsReadFromTheBytesOfAnotherAndFromNoOthers) {
   for (const auto& piece : store.all_pieces()) {
     const BackgroundPiece same(piece->bytes(), piece->owner());
     EXPECT_EQ(same.tets.data(), piece->tets.data());
-    EXPECT_EQ(same.neighbours, piece->neighbours);
+    EXPECT_EQ(same.neighbours.data(), piece->neighbours.data());
     EXPECT_THROW(BackgroundPiece(piece->bytes().first(piece->bytes().size() - 8), piece->owner()),
                  std::runtime_error);
     EXPECT_THROW(BackgroundPiece(piece->bytes().first(8), piece->owner()), std::runtime_error);
