@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "meshing/base/release.h"
+#include "partition/communication/even_shares.h"
 #include "partition/communication/peers.h"
 
 namespace weft::partition {
@@ -47,12 +48,12 @@ class Ranges {
 template <class T>
 std::vector<T> dealt_evenly(Peers& peers, const std::vector<T>& mine) {
   const Ranges ranges(peers, mine.size());
-  const auto ranks = static_cast<std::uint64_t>(peers.ranks());
+  const EvenShares shares(ranges.total(), peers.ranks());
   const std::uint64_t first = ranges.first(peers.rank()), last = first + mine.size();
-  std::vector<std::vector<T>> to_each(ranks);
-  for (std::uint64_t r = 0; r < ranks; ++r) {
-    const std::uint64_t begin = std::clamp(ranges.total() * r / ranks, first, last);
-    const std::uint64_t end = std::clamp(ranges.total() * (r + 1) / ranks, first, last);
+  std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (std::uint64_t r = 0; r < to_each.size(); ++r) {
+    const std::uint64_t begin = std::clamp(shares.first(r), first, last);
+    const std::uint64_t end = std::clamp(shares.first(r + 1), first, last);
     to_each[r].assign(mine.begin() + static_cast<std::ptrdiff_t>(begin - first),
                       mine.begin() + static_cast<std::ptrdiff_t>(end - first));
   }

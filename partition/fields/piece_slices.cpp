@@ -8,6 +8,7 @@
 
 #include "meshing/base/place_in.h"
 #include "meshing/mesh/mesh_data.h"
+#include "partition/communication/even_shares.h"
 #include "partition/communication/point_limit.h"
 #include "partition/communication/ranges.h"
 #include "partition/fields/by_components.h"
@@ -16,22 +17,21 @@
 namespace weft::partition {
 namespace {
 
-std::uint64_t first_of(std::uint64_t total, int rank, int ranks) {
-  return total * static_cast<std::uint64_t>(rank) / static_cast<std::uint64_t>(ranks);
-}
-
 /// Rows, of which runs are numbered one after the other, to the ranks that have these numbers.
 template <class Row>
 class RowMail {
  public:
   RowMail(Peers& peers, std::uint64_t total)
-      : peers_(peers), total_(total), runs_(static_cast<std::size_t>(peers.ranks())), rows_(runs_.size()) {}
+      : peers_(peers),
+        shares_(total, peers.ranks()),
+        runs_(static_cast<std::size_t>(peers.ranks())),
+        rows_(runs_.size()) {}
 
   template <class Rows, class Convert>
   void add(std::uint64_t first, const Rows& rows, const Convert& convert) {
     std::size_t begin = 0;
-    for (std::size_t rank = 0; begin < rows.size(); ++rank) {
-      const std::uint64_t last = first_of(total_, static_cast<int>(rank) + 1, peers_.ranks());
+    for (std::uint64_t rank = 0; begin < rows.size(); ++rank) {
+      const std::uint64_t last = shares_.first(rank + 1);
       if (last <= first + begin) continue;
       const std::size_t end = std::min<std::uint64_t>(rows.size(), last - first);
       runs_[rank].push_back({first + begin, end - begin});
@@ -40,10 +40,10 @@ class RowMail {
   }
   std::vector<Row> deliver() {
     const int me = peers_.rank();
-    const std::uint64_t first = first_of(total_, me, peers_.ranks());
+    const std::uint64_t first = shares_.first(me);
     const auto runs = partition::all_to_all(peers_, std::move(runs_));
     const auto rows = partition::all_to_all(peers_, std::move(rows_));
-    std::vector<Row> mine(first_of(total_, me + 1, peers_.ranks()) - first);
+    std::vector<Row> mine(shares_.count(me));
     for (std::size_t r = 0; r < runs.size(); ++r) {
       auto row = rows[r].begin();
       for (const Run& run : runs[r]) {
@@ -60,7 +60,7 @@ class RowMail {
   };
 
   Peers& peers_;
-  std::uint64_t total_;
+  EvenShares shares_;
   std::vector<std::vector<Run>> runs_;
   std::vector<std::vector<Row>> rows_;
 };
@@ -84,8 +84,8 @@ MeshSlice slice_of_pieces(Peers& peers, std::span<const MeshPiece> mine, const N
   MeshSlice slice;
   slice.num_points = points;
   slice.num_tets = tets;
-  slice.first_point = first_of(points, peers.rank(), peers.ranks());
-  slice.first_tet = first_of(tets, peers.rank(), peers.ranks());
+  slice.first_point = EvenShares(points, peers.ranks()).first(peers.rank());
+  slice.first_tet = EvenShares(tets, peers.ranks()).first(peers.rank());
   slice.points = point_mail.deliver();
   slice.point_refs.resize(slice.points.size());
   slice.tets = tet_mail.deliver();

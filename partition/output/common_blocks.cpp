@@ -17,22 +17,13 @@ struct BlockPiece {
   std::uint64_t block, first_byte, bytes;
 };
 
-/// The rank that compresses a block, and the first block of a rank.
-std::uint64_t rank_of(std::uint64_t block, std::uint64_t blocks, std::uint64_t ranks) {
-  return block * ranks / blocks;
-}
-std::uint64_t first_of(std::uint64_t rank, std::uint64_t blocks, std::uint64_t ranks) {
-  return (rank * blocks + ranks - 1) / ranks;
-}
-
 }  // namespace
 
-std::vector<Bytes> CommonBlocks::pieces_of_blocks(const Peers& peers) const {
-  const auto ranks = static_cast<std::uint64_t>(peers.ranks());
-  std::vector<Bytes> to_each(ranks);
+std::vector<Bytes> CommonBlocks::pieces_of_blocks(const Peers& peers, const EvenShares& shares) const {
+  std::vector<Bytes> to_each(static_cast<std::size_t>(peers.ranks()));
   const auto send = [&](std::uint64_t block, std::uint64_t first_byte, std::span<const std::byte> bytes) {
     const BlockPiece piece{block, first_byte, bytes.size()};
-    Bytes& to = to_each[rank_of(block, blocks_.count(), ranks)];
+    Bytes& to = to_each[shares.rank_of(block)];
     append(to, &piece, sizeof piece);
     append(to, bytes.data(), bytes.size());
   };
@@ -41,8 +32,8 @@ std::vector<Bytes> CommonBlocks::pieces_of_blocks(const Peers& peers) const {
   return to_each;
 }
 
-void CommonBlocks::compress(std::vector<Bytes> pieces, std::uint64_t end) {
-  std::vector<Bytes> blocks(end - first_);
+void CommonBlocks::compress(std::vector<Bytes> pieces, std::uint64_t count) {
+  std::vector<Bytes> blocks(count);
   for (std::size_t i = 0; i < blocks.size(); ++i) blocks[i].resize(blocks_.size(first_ + i));
   for (Bytes& of_rank : pieces) {
     for (std::size_t at = 0; at < of_rank.size();) {
@@ -62,20 +53,18 @@ void CommonBlocks::compress(std::vector<Bytes> pieces, std::uint64_t end) {
 
 void CommonBlocks::create(Peers& peers) {
   file_.create(peers);
-  is_first_ = peers.rank() == 0;
-  const auto rank = static_cast<std::uint64_t>(peers.rank()),
-             ranks = static_cast<std::uint64_t>(peers.ranks());
-  first_ = first_of(rank, blocks_.count(), ranks);
-  compress(peers.all_to_all(pieces_of_blocks(peers)), first_of(rank + 1, blocks_.count(), ranks));
+  const EvenShares shares(blocks_.count(), peers.ranks());
+  first_ = shares.first(peers.rank());
+  compress(peers.all_to_all(pieces_of_blocks(peers, shares)), shares.count(peers.rank()));
   std::vector<std::uint64_t> of_arrays(blocks_.num_arrays());
   for (std::size_t i = 0; i < compressed_.size(); ++i)
     of_arrays[blocks_.array_of(first_ + i)] += compressed_[i].size();
   const std::vector<std::vector<std::uint64_t>> of_ranks = allgather(peers, of_arrays);
   before_.assign(of_arrays.size(), 0);
   std::ranges::fill(of_arrays, 0);
-  for (std::uint64_t r = 0; r < ranks; ++r)
+  for (std::size_t r = 0; r < of_ranks.size(); ++r)
     for (std::size_t array = 0; array < of_arrays.size(); ++array) {
-      if (r == rank) before_[array] = of_arrays[array];
+      if (r == static_cast<std::size_t>(peers.rank())) before_[array] = of_arrays[array];
       of_arrays[array] += of_ranks[r][array];
     }
   blocks_.place(of_arrays);
@@ -83,7 +72,7 @@ void CommonBlocks::create(Peers& peers) {
 
 void CommonBlocks::write() {
   meshing::FilePart out(file_.target());
-  if (is_first_) blocks_.write_frame(out);
+  if (file_.is_mine()) blocks_.write_frame(out);
   for (std::size_t i = 0; i < compressed_.size(); ++i) {
     const std::uint64_t block = first_ + i;
     std::uint64_t& before = before_[blocks_.array_of(block)];

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "meshing/io/vtk/vtu_blocks.h"
+#include "partition/communication/even_shares.h"
 #include "partition/communication/peers.h"
 #include "partition/output/common_file.h"
 #include "partition/output/common_text.h"
@@ -32,13 +33,12 @@ class CommonBlocks {
   void commit() { file_.commit(); }
 
  private:
-  std::vector<Bytes> pieces_of_blocks(const Peers& peers) const;
-  void compress(std::vector<Bytes> pieces, std::uint64_t end);
+  std::vector<Bytes> pieces_of_blocks(const Peers& peers, const EvenShares& shares) const;
+  void compress(std::vector<Bytes> pieces, std::uint64_t count);
 
   CommonFile file_;
   meshing::VtuBlocks blocks_;
   std::function<void(const PartAction&)> for_parts_;
-  bool is_first_ = false;
   std::uint64_t first_ = 0;                    ///< block of this rank
   std::vector<std::vector<char>> compressed_;  ///< from it on
   std::vector<std::uint64_t> before_;          ///< by array: bytes of other ranks before this one's

@@ -20,6 +20,8 @@ class CommonFile {
 
   /// All ranks.
   void create(Peers& peers);
+  /// Whether this rank has created it.
+  bool is_mine() const { return file_ != nullptr; }
   const std::filesystem::path& name() const { return name_; }
   const std::filesystem::path& temporary() const { return temporary_; }
   /// Where this rank's part goes.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "partition/communication/even_shares.h"
 #include "tests/partition/communication/counting_peers.h"
 #include "tests/partition/communication/threads_peers.h"
 
@@ -29,6 +30,23 @@ TEST(Ranges, OfSeveralArraysAreThoseOfEachInOneExchange) {
       }
       EXPECT_EQ(arrays[0].rank_of(arrays[0].first(peers.rank())), rank);
     });
+}
+
+TEST(EvenShares, EachNumberIsInOneAndTheyDifferByOneAtMost) {
+  for (const int ranks : {1, 2, 3, 7, 64})
+    for (const std::uint64_t total : {1u, 2u, 6u, 7u, 8u, 63u, 64u, 65u, 1000u}) {
+      const EvenShares shares(total, ranks);
+      std::uint64_t next = 0;
+      for (int rank = 0; rank < ranks; ++rank) {
+        EXPECT_EQ(shares.first(rank), next);
+        const std::uint64_t least = total / static_cast<std::uint64_t>(ranks), count = shares.count(rank);
+        EXPECT_TRUE(count == least || count == least + 1) << count << " of " << total << " on " << ranks;
+        for (std::uint64_t i = 0; i < count; ++i)
+          EXPECT_EQ(shares.rank_of(next + i), static_cast<std::size_t>(rank)) << total << " on " << ranks;
+        next += count;
+      }
+      EXPECT_EQ(next, total);
+    }
 }
 
 }  // namespace

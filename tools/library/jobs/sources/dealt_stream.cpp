@@ -19,6 +19,7 @@
 #include "meshing/io/mesh_file.h"
 #include "meshing/mesh/mesh_data.h"
 #include "partition/communication/agreement.h"
+#include "partition/communication/even_shares.h"
 #include "partition/communication/reduce.h"
 
 namespace weft::tools {
@@ -205,11 +206,11 @@ class DealtFields final : public meshing::FieldStream {
   }
   void take(std::vector<std::uint32_t> points, std::vector<double> values) override {
     std::vector<partition::Bytes> to_each = news({FieldNews::Kind::rows, 0, 0});
-    const auto ranks = static_cast<std::uint64_t>(peers_.ranks()), length = field_->length();
-    const auto rank_of = [&](std::uint32_t p) { return ((p + std::uint64_t{1}) * ranks - 1) / num_points_; };
-    for (const std::uint32_t p : points) partition::append(to_each[rank_of(p)], &p, sizeof p);
+    const std::uint64_t length = field_->length();
+    const partition::EvenShares shares(num_points_, peers_.ranks());
+    for (const std::uint32_t p : points) partition::append(to_each[shares.rank_of(p)], &p, sizeof p);
     for (std::size_t i = 0; i < points.size(); ++i)
-      partition::append(to_each[rank_of(points[i])], &values[i * length], length * sizeof(double));
+      partition::append(to_each[shares.rank_of(points[i])], &values[i * length], length * sizeof(double));
     exchange(std::move(to_each));
   }
   void end() override { exchange(news({FieldNews::Kind::end, 0, 0})); }

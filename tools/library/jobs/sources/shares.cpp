@@ -10,6 +10,7 @@
 #include "meshing/io/gmf/gmf_slice.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
+#include "partition/communication/even_shares.h"
 #include "partition/communication/reduce.h"
 #include "partition/fields/by_components.h"
 #include "tools/library/jobs/sources/dealt_stream.h"
@@ -77,9 +78,8 @@ bool is_gmf_solution(const std::string& file) {
 }  // namespace
 
 Share share_of(std::uint64_t total, int rank, int ranks) {
-  const auto r = static_cast<std::uint64_t>(rank), n = static_cast<std::uint64_t>(ranks);
-  const std::uint64_t first = total * r / n;
-  return {first, total * (r + 1) / n - first};
+  const partition::EvenShares shares(total, ranks);
+  return {shares.first(rank), shares.count(rank)};
 }
 
 bool has_own_fields_in_shares(const std::string& file) {
