@@ -10,9 +10,9 @@ namespace weft::report {
 
 std::vector<std::byte> gzip(std::string_view text) {
   constexpr int kGzipFormat = 16, kWindow = 15, kMemory = 8;
+  constexpr int kLevel = 4;  // half the time of zlib's default for a twentieth more bytes (a profile of 4 MB)
   z_stream stream = {};
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kWindow + kGzipFormat, kMemory,
-                   Z_DEFAULT_STRATEGY) != Z_OK)
+  if (deflateInit2(&stream, kLevel, Z_DEFLATED, kWindow + kGzipFormat, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
     throw std::bad_alloc();
   std::vector<std::byte> out(deflateBound(&stream, text.size()));
   // zlib counts in 32 bits what it is given at once.
