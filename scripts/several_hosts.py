@@ -189,15 +189,17 @@ class Trials:
         """A host that goes for good: the run ends and names it (unless mpirun goes too), no process goes on and nothing is written."""
         run = Run(self.options, self.hosts, self.folder, "out")
         run.under_way(after)
-        before = len(run.said.read_text())
+        before, is_over = len(run.said.read_text()), run.process.poll() is not None
         lose(host)
         code, said, seconds = run.end(PATIENCE)
-        said = said[before:]
         left = [h for h in range(1, self.hosts.count + 1) if self.hosts.left_over(h, PATIENCE)]
         self.hosts.link(host, True)
         if self.is_right(run, code):
             self.say(name, self.options.random > 0, "the run was over before: a larger --complexity takes longer")
+        elif is_over:  # mpirun, for instance, gives up where it can't start all within a minute
+            self.say(name, False, f"the run had ended before by itself: exit {code} after {seconds:.1f} s\n{said}")
         else:
+            said = said[before:]
             named = with_mpirun or "rank" in said or "10.77.0." in said or self.hosts.name(host) in said
             good = code not in (None, 0) and named and not left and not run.output.exists()  # mpirun has codes of its own
             what = next((line for line in said.splitlines() if "error" in line.lower() or "lost" in line.lower()), said.strip()[:200])
