@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "partition/communication/agreement.h"
+#include "partition/communication/even_shares.h"
 
 namespace weft::partition {
 namespace {
@@ -15,14 +16,12 @@ namespace {
 /// Neighbouring ranks share a writer, the first of them; all writers have as many ranks, but for one.
 struct Group {
   explicit Group(const Peers& peers) {
-    const std::int64_t ranks = peers.ranks(), writers = std::min(peers.ranks(), peers.most_writers());
-    const auto first_of = [&](std::int64_t w) {
-      return static_cast<int>((w * ranks + writers - 1) / writers);
-    };
-    const std::int64_t mine = peers.rank() * writers / ranks;
-    first = first_of(mine);
-    end = first_of(mine + 1);
-    largest = static_cast<int>((ranks + writers - 1) / writers);
+    const int ranks = peers.ranks(), writers = std::min(ranks, peers.most_writers());
+    const EvenShares groups(static_cast<std::uint64_t>(ranks), writers);
+    const auto mine = groups.rank_of(static_cast<std::uint64_t>(peers.rank()));
+    first = static_cast<int>(groups.first(mine));
+    end = static_cast<int>(groups.first(mine + 1));
+    largest = (ranks + writers - 1) / writers;
   }
   int first, end;  ///< this rank's; the first writes
   int largest;     ///< ranks of any group

@@ -16,8 +16,7 @@ namespace weft::meshing {
 /// dropped. Throws InputError naming file, entity and reason.
 MeshContents read_gmsh(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 /// The same without node data and what is dropped of sections, and but for points and tets, which go to the
-/// stream. Of nodes tagged 1, 2, 3
-/// ... nothing is kept, of others their tags.
+/// stream. Of nodes tagged 1, 2, 3 ... nothing is kept, of others their tags.
 MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& mesh);
 /// The node data alone, value by value: the whole file is passed over, and nothing kept but its triangles,
 /// edges and corners, and tags as above. Whether a field has all its values, and what of it is one, its

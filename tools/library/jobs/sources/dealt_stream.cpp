@@ -207,7 +207,7 @@ class DealtFields final : public meshing::FieldStream {
   void take(std::vector<std::uint32_t> points, std::vector<double> values) override {
     std::vector<partition::Bytes> to_each = news({FieldNews::Kind::rows, 0, 0});
     const std::uint64_t length = field_->length();
-    const partition::EvenShares shares(num_points_, peers_.ranks());
+    const partition::EvenShares shares = this->shares();
     for (const std::uint32_t p : points) partition::append(to_each[shares.rank_of(p)], &p, sizeof p);
     for (std::size_t i = 0; i < points.size(); ++i)
       partition::append(to_each[shares.rank_of(points[i])], &values[i * length], length * sizeof(double));
@@ -225,13 +225,13 @@ class DealtFields final : public meshing::FieldStream {
 
   FieldsShare share() {
     result_.num_points = num_points_;
-    result_.fields.num_points = mine().count;
+    result_.fields.num_points = shares().count(peers_.rank());
     result_.dropped = std::move(drops_.dropped);
     return std::move(result_);
   }
 
  private:
-  Share mine() const { return share_of(num_points_, peers_.rank(), peers_.ranks()); }
+  partition::EvenShares shares() const { return {num_points_, peers_.ranks()}; }
   std::vector<partition::Bytes> news(const FieldNews& said, const std::string& text = {}) const {
     partition::Bytes bytes = partition::bytes_of(std::vector{said});
     partition::append(bytes, text.data(), text.size());
@@ -248,7 +248,7 @@ class DealtFields final : public meshing::FieldStream {
     switch (said.kind) {
       case FieldNews::Kind::begin:
         num_points_ = said.points;
-        field_.emplace(text(), said.length, mine().first, mine().count);
+        field_.emplace(text(), said.length, shares().first(peers_.rank()), shares().count(peers_.rank()));
         break;
       case FieldNews::Kind::rows:
         add_rows(rest);
