@@ -53,7 +53,7 @@ class Diffusion final : public Balancer {
   void spread(double mine, BalanceActions& actions) {
     std::vector<ReadyObject> ready = actions.ready_objects();
     const double worth_it = worth_moving(actions);
-    // None has moved yet: the first shows what moving takes.
+    // Hardly any has moved yet: the first ones show what moving takes.
     std::size_t left = actions.move_seconds() ? ready.size() : 1;
     for (Neighbour& neighbour : neighbours_) {
       // What it told may have changed by as much as is not worth telling, and mine may be told wrong by as

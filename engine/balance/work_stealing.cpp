@@ -93,7 +93,7 @@ class WorkStealing final : public Balancer {
     if (spare <= 0) return false;
     const double more = load.queued_seconds - their_seconds, wanted = more / 2;
     const double worth_it = worth_moving(actions);
-    // None has moved yet: the first shows what moving takes.
+    // Hardly any has moved yet: the first ones show what moving takes.
     const std::ptrdiff_t most = actions.move_seconds() ? spare : 1;
     double given = 0;
     std::ptrdiff_t number = 0;

@@ -370,7 +370,9 @@ void Scheduler::send_object(std::unique_ptr<Cell> cell) {
   {
     const Lock lock(mutex_);
     Lane& lane = trace_.communication_lane();
-    lane.span({begin, now(), cell->id, Span::kNoName, Activity::pack, 0});
+    const TimePoint end = now();
+    lane.span({begin, end, cell->id, Span::kNoName, Activity::pack, 0});
+    packing_.add(end - begin);
     lane.sent(Traffic::migrate, Span::kNoName, cell->leaves_for, payload.size());
   }
   exchange_.post(cell->leaves_for, FrameKind::object, std::move(payload));
@@ -677,15 +679,15 @@ Load Scheduler::load() const {
 
 /// What it takes here stands for what it takes elsewhere: ranks have objects alike.
 std::optional<double> Scheduler::move_seconds() const {
+  constexpr std::size_t kEnough = 3;  // one that was long by chance would stop all others for good
   // An array that leaves is handed over as it is; where it comes to it is copied into fresh memory.
-  constexpr double kUnpackingOfPacking = 6;
-  const auto mean = [](const TimeCount& time) {
-    return 1e-9 * static_cast<double>(time.total) / static_cast<double>(time.count);
-  };
-  const TimeCount& packing = trace_.communication_lane().time(Activity::pack);
-  if (packing.count == 0) return std::nullopt;
+  constexpr TimePoint kUnpackingOfPacking = 6;
   const Lock lock(mutex_);
-  return mean(packing) + (unpacking_.count > 0 ? mean(unpacking_) : kUnpackingOfPacking * mean(packing));
+  if (packing_.count() < kEnough) return std::nullopt;
+  const TimePoint packing = packing_.median();
+  const TimePoint unpacking =
+      unpacking_.count() < kEnough ? kUnpackingOfPacking * packing : unpacking_.median();
+  return 1e-9 * static_cast<double>(packing + unpacking);
 }
 
 /// Not those that are only to be copied: nothing is counted that makes them ready, so that the run may end

@@ -637,10 +637,22 @@ struct Worker {
   }
 };
 
+/// The first of a process to move takes long, as does one whose thread has to wait for a processor.
+struct HeldUpWorker : Worker {
+  static inline std::atomic<bool> held_up{false};
+  template <class Archive>
+  void serialize(Archive& archive) {
+    if (!held_up.exchange(true)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    archive(calls);
+  }
+  void work(Context& context) { Worker::work(context); }
+};
+
+template <class Worker>
 void expect_spread(int ranks, const BalancerFactory& balancer) {
   on_ranks(ranks, [&](Transport& transport) {
     Registry registry;
-    registry.type<Worker>("Worker").method<&Worker::work>("work");
+    registry.type<Worker>("Worker").template method<&Worker::work>("work");
     Runtime runtime(transport, registry, {.balancer = balancer});
     const int objects = 40;
     runtime.run([&](Context& context) {
@@ -678,8 +690,22 @@ TEST_P(RuntimeOnRanks, StealingSpreadsWorkInTheTwentiethRunToo) {
   });
 }
 
-TEST_P(RuntimeOnRanks, StealingSpreadsWorkThatStartsOnOneRank) { expect_spread(GetParam(), work_stealing()); }
-TEST_P(RuntimeOnRanks, DiffusionSpreadsWorkThatStartsOnOneRank) { expect_spread(GetParam(), diffusion()); }
+TEST_P(RuntimeOnRanks, StealingSpreadsWorkThatStartsOnOneRank) {
+  expect_spread<Worker>(GetParam(), work_stealing());
+}
+TEST_P(RuntimeOnRanks, DiffusionSpreadsWorkThatStartsOnOneRank) {
+  expect_spread<Worker>(GetParam(), diffusion());
+}
+
+/// What moving takes is judged by a few moves: by the first alone none would be worth its way any more.
+TEST_P(RuntimeOnRanks, StealingSpreadsWorkThoughTheFirstMoveTookLong) {
+  HeldUpWorker::held_up = false;
+  expect_spread<HeldUpWorker>(GetParam(), work_stealing());
+}
+TEST_P(RuntimeOnRanks, DiffusionSpreadsWorkThoughTheFirstMoveTookLong) {
+  HeldUpWorker::held_up = false;
+  expect_spread<HeldUpWorker>(GetParam(), diffusion());
+}
 
 /// Remembers what its rank had to do when it was last asked.
 class LoadKeeper final : public Balancer {
