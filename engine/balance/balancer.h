@@ -32,8 +32,8 @@ class BalanceActions {
   /// Objects that wait for a worker here and can move, in the order in which they would be handled.
   virtual std::vector<ReadyObject> ready_objects() const = 0;
 
-  /// What moving an object costs the ranks in all, judged by the latest that have moved from here; nothing
-  /// while they are too few to judge by.
+  /// Processor seconds that moving an object takes the ranks in all, judged by the latest that have moved
+  /// from here; nothing while they are too few to judge by.
   virtual std::optional<double> move_seconds() const = 0;
 
   /// The load that another rank had when it last sent a packet here; -1: none yet.

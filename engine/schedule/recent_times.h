@@ -9,8 +9,8 @@
 
 namespace weft::engine {
 
-/// The latest few durations of one kind. Their median is not moved by one that was long because its thread
-/// had to wait for a processor, as the mean of few is.
+/// The latest few durations of one kind. Their median is not moved by one that was long by chance, as the
+/// mean of few is.
 class RecentTimes {
  public:
   void add(TimePoint nanoseconds) {

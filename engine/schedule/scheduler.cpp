@@ -10,6 +10,7 @@
 #include "engine/base/arena.h"
 #include "engine/base/text.h"
 #include "engine/schedule/context.h"
+#include "engine/trace/processor_time.h"
 
 namespace weft::engine {
 namespace {
@@ -352,7 +353,7 @@ std::unique_ptr<Cell> Scheduler::take_out(ObjectId id) {
 }
 
 void Scheduler::send_object(std::unique_ptr<Cell> cell) {
-  const TimePoint begin = now();
+  const TimePoint begin = now(), worked = processor_time();
   PackedCell packed;
   packed.id = cell->id;
   packed.type = cell->type->id;
@@ -367,12 +368,12 @@ void Scheduler::send_object(std::unique_ptr<Cell> cell) {
   packer(packed);
   Payload payload = packer.take();
   if (options_.virtual_time) options_.virtual_time->copied(payload.size());
+  const TimePoint end = now(), packing = processor_time() - worked;
   {
     const Lock lock(mutex_);
+    packing_.add(packing);
     Lane& lane = trace_.communication_lane();
-    const TimePoint end = now();
     lane.span({begin, end, cell->id, Span::kNoName, Activity::pack, 0});
-    packing_.add(end - begin);
     lane.sent(Traffic::migrate, Span::kNoName, cell->leaves_for, payload.size());
   }
   exchange_.post(cell->leaves_for, FrameKind::object, std::move(payload));
@@ -570,6 +571,7 @@ void Scheduler::handler_failed(const Cell& cell, const Task& task) {
 TimePoint Scheduler::unpack_if_packed(Cell& cell, const Task& task, Lane& lane) {
   const TimePoint begin = now();
   if (!cell.packed) return begin;
+  const TimePoint worked = processor_time();
   const bool done = guard(cell, task, [&] {
     Payload packed = std::move(*cell.packed);
     cell.packed.reset();
@@ -577,13 +579,10 @@ TimePoint Scheduler::unpack_if_packed(Cell& cell, const Task& task, Lane& lane) 
     cell.object = cell.type->unpack(std::move(packed));
   });
   if (!done) return begin;
-  const TimePoint end = now();
+  const TimePoint end = now(), unpacking = processor_time() - worked;
   lane.span({begin, end, cell.id, Span::kNoName, Activity::unpack, 0});
-  // Where simulated ranks share cores it takes longer, as what it is compared with does.
-  const VirtualTime* simulated = options_.virtual_time;
-  const TimePoint until = simulated ? simulated->when(simulated->worked(begin) + end - begin) : end;
   const Lock lock(mutex_);
-  unpacking_.add(until - begin);
+  unpacking_.add(unpacking);
   return end;
 }
 

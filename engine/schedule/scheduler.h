@@ -88,7 +88,7 @@ class Scheduler {
 
   Load load() const;
   std::vector<ReadyObject> ready_objects() const;
-  /// What moving an object takes the ranks; nothing until a few have left.
+  /// Processor seconds that moving an object takes the ranks; nothing until a few have left.
   std::optional<double> move_seconds() const;
   std::vector<ObjectId> take_finished();
   /// The communication thread is woken whenever objects wait for a worker.
@@ -238,7 +238,7 @@ class Scheduler {
   std::uint64_t moved_in_ = 0;
   std::uint64_t moved_out_ = 0;
   std::uint64_t handled_ = 0;
-  RecentTimes packing_;        ///< of objects that have left
+  RecentTimes packing_;        ///< processor time of objects that have left
   RecentTimes unpacking_;      ///< of objects that have come
   std::uint64_t waiting_ = 0;  ///< objects that wait for an event or hold messages
   std::uint64_t epoch_ = 0;    ///< of the latest snapshot that this rank has heard of
