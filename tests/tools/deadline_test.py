@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import resource
 import signal
 import subprocess
@@ -21,6 +22,12 @@ def ranks_of(mpirun):
     """The processes that mpirun has started."""
     children = pathlib.Path(f"/proc/{mpirun.pid}/task/{mpirun.pid}/children").read_text().split()
     return [int(c) for c in children if "weft" in pathlib.Path(f"/proc/{c}/cmdline").read_text()]
+
+
+def catches(process, number):
+    """Whether it has a handler for that signal."""
+    status = pathlib.Path(f"/proc/{process}/status").read_text()
+    return int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16) >> (number - 1) & 1
 
 
 class Deadline(CommandTest):
@@ -138,7 +145,7 @@ class Signals(Deadline):
         process = self.start(ranks, *LONG, "--subdomains", 6)
         for _ in range(10 * SECONDS):
             time.sleep(0.1)
-            if process.poll() is not None or len(ranks_of(process)) == ranks:
+            if process.poll() is not None or sum(catches(rank, signal.SIGTERM) for rank in ranks_of(process)) == ranks:
                 break
         time.sleep(1)  # into the adaptation, or near it: either is to end well
         return process
