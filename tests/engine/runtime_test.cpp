@@ -12,6 +12,7 @@
 #include <set>
 #include <thread>
 
+#include "engine/trace/processor_time.h"
 #include "tests/support/ranks.h"
 #include "tests/support/repetitions.h"
 
@@ -626,6 +627,7 @@ TEST_P(RuntimeOnRanks, HoldsUpFastSendersForASlowReceiver) {
 // --- Balancing
 
 struct Worker {
+  static constexpr int kMilliseconds = 10;  // worth moving also where packing is slow, as under sanitizers
   int calls = 0;
   template <class Archive>
   void serialize(Archive& archive) {
@@ -633,16 +635,19 @@ struct Worker {
   }
   void work(Context&) {
     ++calls;
-    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    std::this_thread::sleep_for(std::chrono::milliseconds(kMilliseconds));
   }
 };
 
-/// The first of a process to move takes long, as does one whose thread has to wait for a processor.
+/// The first of a process to move takes long, as one may that needs memory from the system.
 struct HeldUpWorker : Worker {
   static inline std::atomic<bool> held_up{false};
   template <class Archive>
   void serialize(Archive& archive) {
-    if (!held_up.exchange(true)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (!held_up.exchange(true)) {
+      const TimePoint begin = processor_time();
+      while (processor_time() - begin < 20'000'000) continue;
+    }
     archive(calls);
   }
   void work(Context& context) { Worker::work(context); }
@@ -659,7 +664,8 @@ void expect_spread(int ranks, const BalancerFactory& balancer) {
       if (context.rank() != Rank(0)) return;
       for (int i = 0; i < objects; ++i) {
         const auto worker = context.create<Worker>();
-        for (int call = 0; call < 3; ++call) context.invoke_expecting<&Worker::work>(Seconds{3e-3}, worker);
+        for (int call = 0; call < 3; ++call)
+          context.invoke_expecting<&Worker::work>(Seconds{1e-3 * Worker::kMilliseconds}, worker);
       }
     });
     runtime.visit<Worker>([](MobilePtr<Worker>, Worker& worker) { EXPECT_EQ(worker.calls, 3); });
@@ -682,7 +688,8 @@ TEST_P(RuntimeOnRanks, StealingSpreadsWorkInTheTwentiethRunToo) {
     runtime.run([&](Context& context) {
       if (context.rank() != Rank(0)) return;
       for (int i = 0; i < objects; ++i)
-        context.invoke_expecting<&Worker::work>(Seconds{3e-3}, context.create<Worker>());
+        context.invoke_expecting<&Worker::work>(Seconds{1e-3 * Worker::kMilliseconds},
+                                                context.create<Worker>());
     });
     std::uint64_t calls = 0;
     for (const MethodSummary& method : runtime.summary().methods) calls += method.count;
