@@ -1,8 +1,6 @@
 // The communication thread's loop.
 #include "engine/run/runtime.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -15,6 +13,7 @@
 #include "engine/run/snapshots.h"
 #include "engine/schedule/scheduler.h"
 #include "engine/schedule/termination.h"
+#include "engine/trace/processor_time.h"
 
 namespace weft::engine {
 namespace {
@@ -34,12 +33,10 @@ constexpr TimePoint kReportTime = kSecond;
 constexpr std::size_t kWaitsShown = 50;
 constexpr int kClockReadings = 5;
 
-/// While it waits or workers have its core the communication thread takes none.
-TimePoint processor_time_of_this_thread() {
-  if (const VirtualTime* simulated = VirtualTime::of_thread()) return simulated->communicated();
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return kSecond * time.tv_sec + time.tv_nsec;
+/// What the communication thread has worked: while it waits or workers have its core it takes none.
+TimePoint communication_time() {
+  const VirtualTime* simulated = VirtualTime::of_thread();
+  return simulated ? simulated->communicated() : processor_time();
 }
 
 /// A millisecond.
@@ -266,7 +263,7 @@ void Runtime::Implementation::begin(std::function<bool()> done) {
 }
 
 void Runtime::Implementation::loop() {
-  const TimePoint before = processor_time_of_this_thread();
+  const TimePoint before = communication_time();
   while (!ended_ && !failure_) {
     bool busy = false;
     clock_.tick(now());
@@ -282,7 +279,7 @@ void Runtime::Implementation::loop() {
   }
   if (snapshots_) snapshots_->end_run();
   wind_down();
-  communication_ += processor_time_of_this_thread() - before;
+  communication_ += communication_time() - before;
 }
 
 bool Runtime::Implementation::turn(TimePoint time) {

@@ -653,22 +653,22 @@ struct HeldUpWorker : Worker {
   void work(Context& context) { Worker::work(context); }
 };
 
-template <class Worker>
+template <class Object>
 void expect_spread(int ranks, const BalancerFactory& balancer) {
   on_ranks(ranks, [&](Transport& transport) {
     Registry registry;
-    registry.type<Worker>("Worker").template method<&Worker::work>("work");
+    registry.type<Object>("Worker").template method<&Object::work>("work");
     Runtime runtime(transport, registry, {.balancer = balancer});
     const int objects = 40;
     runtime.run([&](Context& context) {
       if (context.rank() != Rank(0)) return;
       for (int i = 0; i < objects; ++i) {
-        const auto worker = context.create<Worker>();
+        const auto worker = context.create<Object>();
         for (int call = 0; call < 3; ++call)
-          context.invoke_expecting<&Worker::work>(Seconds{1e-3 * Worker::kMilliseconds}, worker);
+          context.invoke_expecting<&Object::work>(Seconds{1e-3 * Object::kMilliseconds}, worker);
       }
     });
-    runtime.visit<Worker>([](MobilePtr<Worker>, Worker& worker) { EXPECT_EQ(worker.calls, 3); });
+    runtime.visit<Object>([](MobilePtr<Object>, Object& worker) { EXPECT_EQ(worker.calls, 3); });
     std::uint64_t calls = 0;
     for (const MethodSummary& method : runtime.summary().methods) calls += method.count;
     // Everybody sleeps, so work can spread evenly on any machine; much less than its share would mean that
