@@ -139,7 +139,7 @@ Figures solve(engine::Transport& transport, const Options& options) {
 
 int main(int argc, char** argv) {
   const Options options = options_of(argc, argv, "Tiled Cholesky factor, on the engine: rows, rows a tile",
-                                     {.size = 2048, .tile = 128, .steps = 1});
+                                     {.size = 2048, .tile = 128});
   return engine::launch(argc, argv, [&](engine::Transport& transport) {
     report(transport, "cholesky", options, solve(transport, options));
     return 0;

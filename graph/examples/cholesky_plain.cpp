@@ -100,8 +100,8 @@ class Cholesky final : public PlainProgram {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const Options options = options_of(argc, argv, "Tiled Cholesky factor, plain: rows, rows a tile",
-                                     {.size = 2048, .tile = 128, .steps = 1});
+  const Options options =
+      options_of(argc, argv, "Tiled Cholesky factor, plain: rows, rows a tile", {.size = 2048, .tile = 128});
   Cholesky program(options);
   return run_plain(argc, argv, "cholesky_plain", options, program);
 }

@@ -20,11 +20,12 @@ Options options_of(int argc, char** argv, const std::string& about, Options defa
   Options options = std::move(defaults);
   app.add_option("--size", options.size)->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--tile", options.tile)->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--steps", options.steps)->check(CLI::PositiveNumber)->capture_default_str();
+  if (options.steps > 0)
+    app.add_option("--steps", options.steps)->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--threads", options.threads, "of each rank")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--balancer", options.balancer)->capture_default_str();
+  if (!options.balancer.empty()) app.add_option("--balancer", options.balancer)->capture_default_str();
   app.add_option("--out", options.out, "file for the result, doubles of this machine");
   try {
     app.parse(argc, argv);

@@ -12,14 +12,14 @@ namespace weft::examples {
 struct Options {
   int size = 0;   ///< points a side, rows of the matrix, particles
   int tile = 0;   ///< points or rows a block; cells a side
-  int steps = 0;  ///< in time
+  int steps = 0;  ///< in time; 0: the program has none
   int threads = 1;
-  std::string balancer = "none";  ///< of the version on the engine
-  std::string out = {};           ///< file of the result; empty: none is written
+  std::string balancer = {};  ///< by name; empty: the program takes none
+  std::string out = {};       ///< file of the result; empty: none is written
 };
 
-/// The command line's, which has `defaults` and says of them what `about` says. Ends the program at --help,
-/// or where something is wrong.
+/// The command line's, which has `defaults` and says of them what `about` says; no --steps and no --balancer
+/// where `defaults` has none. Ends the program at --help, or where something is wrong.
 Options options_of(int argc, char** argv, const std::string& about, Options defaults);
 
 /// Doubles in a file, of which each rank writes its own.

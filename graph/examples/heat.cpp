@@ -137,7 +137,7 @@ Figures solve(engine::Transport& transport, const Options& options) {
 int main(int argc, char** argv) {
   const Options options =
       options_of(argc, argv, "Heat in a square, on the engine: points a side, points a block",
-                 {.size = 1024, .tile = 128, .steps = 100});
+                 {.size = 1024, .tile = 128, .steps = 100, .balancer = "none"});
   return engine::launch(argc, argv, [&](engine::Transport& transport) {
     report(transport, "heat", options, solve(transport, options));
     return 0;

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <limits>
 #include <random>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <tuple>
@@ -652,6 +653,72 @@ TEST_F(CInterface, AReportThatCouldNotBeWrittenIsTold) {
   ASSERT_EQ(weft_result_report(keep(result), &written, &error), WEFT_OK) << weft_last_error();
   EXPECT_STREQ(written, "");
   EXPECT_THAT(error, HasSubstr("report.json"));
+}
+
+TEST_F(CInterface, RecordedRunsAreReplayedDrawnAndCompared) {
+  const Folder folder;
+  const std::string start = folder / "start.meshb", out = folder / "out.meshb", report = folder / "run",
+                    graph = report + "/graph.json", profile = report + "/profile.json",
+                    account = folder / "replay.json", page = folder / "page.html";
+  ASSERT_EQ(weft_mesh_write(box(3), start.c_str()), WEFT_OK);
+  weft_options* asked = options();
+  weft_options_set(asked, "metric-fn", "uniform:0.3");
+  weft_options_set(asked, "subdomains", "2");
+  weft_file_settings files{};
+  files.size = sizeof files;
+  weft_file_settings_default(&files);
+  files.report = report.c_str();
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt_files_with(start.c_str(), out.c_str(), &files, asked, &result), WEFT_OK)
+      << weft_last_error();
+  keep(result);
+  const auto letters = [&](weft_text* text) {
+    const char* all = nullptr;
+    weft_text_get(keep(text), &all);
+    return std::string(all);
+  };
+
+  weft_replay_settings settings{};
+  settings.size = sizeof settings;
+  ASSERT_EQ(weft_replay_settings_default(&settings), WEFT_OK);
+  settings.ranks = 3;
+  settings.balancer = "none";
+  settings.account = account.c_str();
+  weft_text *summary = nullptr, *json = nullptr;
+  ASSERT_EQ(weft_replay(graph.c_str(), &settings, &summary, &json), WEFT_OK) << weft_last_error();
+  EXPECT_THAT(letters(summary), HasSubstr("3 ranks"));
+  std::ostringstream written;
+  written << std::ifstream(account).rdbuf();
+  EXPECT_EQ(letters(json), written.str());
+  EXPECT_THAT(written.str(), HasSubstr("\"balancer\": \"none\""));
+  EXPECT_EQ(weft_replay(graph.c_str(), nullptr, nullptr, nullptr), WEFT_OK) << weft_last_error();
+  settings.ranks = 0;
+  EXPECT_EQ(weft_replay(graph.c_str(), &settings, nullptr, nullptr), WEFT_OPTION_ERROR);
+  settings.ranks = 1;
+  settings.subdomain_bytes = -1;
+  EXPECT_EQ(weft_replay(graph.c_str(), &settings, nullptr, nullptr), WEFT_MISUSE);
+  EXPECT_EQ(weft_replay(out.c_str(), nullptr, nullptr, nullptr), WEFT_INPUT_ERROR);
+
+  weft_graph_filter filter{};
+  filter.size = sizeof filter;
+  ASSERT_EQ(weft_graph_filter_default(&filter), WEFT_OK);
+  weft_text *whole = nullptr, *part = nullptr;
+  ASSERT_EQ(weft_graph_text(graph.c_str(), "dot", nullptr, &whole), WEFT_OK) << weft_last_error();
+  filter.subdomain = 1;
+  ASSERT_EQ(weft_graph_text(graph.c_str(), "dot", &filter, &part), WEFT_OK) << weft_last_error();
+  const std::string all = letters(whole);
+  EXPECT_THAT(all, StartsWith("digraph"));
+  EXPECT_LT(letters(part).size(), all.size());
+  filter.subdomain = -2;
+  EXPECT_EQ(weft_graph_text(graph.c_str(), "dot", &filter, &part), WEFT_MISUSE);
+
+  ASSERT_EQ(weft_report_page(profile.c_str(), page.c_str()), WEFT_OK) << weft_last_error();
+  EXPECT_EQ(std::filesystem::file_size(page), std::filesystem::file_size(report + "/report.html"));
+  weft_text* differences = nullptr;
+  ASSERT_EQ(weft_compare_reports(profile.c_str(), profile.c_str(), nullptr, &differences), WEFT_OK)
+      << weft_last_error();
+  EXPECT_THAT(letters(differences), HasSubstr("as fast as"));
+  EXPECT_EQ(weft_report_page(profile.c_str(), profile.c_str()), WEFT_OPTION_ERROR);
 }
 
 TEST_F(CInterface, FilesAreConverted) {

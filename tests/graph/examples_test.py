@@ -110,6 +110,13 @@ class Examples(unittest.TestCase):
         for tile in 16, 48:
             self.compare("cholesky", cholesky(192), lambda values: from_tiles(values, 192, tile), size=192, tile=tile, threads=2)
 
+    def test_options_that_a_program_has_no_use_for_are_refused(self):
+        for program, option in ("cholesky", "--balancer"), ("cholesky", "--steps"), ("heat_plain", "--balancer"):
+            done = subprocess.run([FOLDER / f"weft_example_{program}", option, "3"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                  text=True, timeout=60, check=False)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn(option, done.stdout)
+
     def test_particles(self):
         self.compare("particles", particles(500, 12, 5), size=500, tile=12, steps=5)
 

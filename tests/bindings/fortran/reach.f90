@@ -75,6 +75,25 @@ program reach
   call must_be_there("fine.meshb")
   call must_be_there("fine-fields.solb")
   call must_be_there("run/report.json")
+
+  ! A recorded run, on another machine too.
+  call check(weft_options_set(options, "subdomains", 2))
+  call check(weft_adapt_files("start.meshb", "parts.meshb", options, result, report="parts", page=.false.))
+  call check(weft_free(result))
+  call check(weft_replay("parts/graph.json", text, why, ranks=2, network="5us,1GB/s", balancer="diffusion", &
+                         account="replay.json"))
+  if (index(text, '"ranks": 2') == 0 .or. index(why, "diffusion") == 0) error stop "no account of the replay"
+  call must_be_there("replay.json")
+  if (weft_replay("parts/graph.json", text, ranks=0) /= weft_option_error) error stop "no ranks"
+  call check(weft_graph_text("parts/graph.json", "dot", text, round=0, collapse="subdomains"))
+  if (index(text, "digraph") == 0) error stop "no task graph"
+  if (weft_graph_text("parts/graph.json", "gif", text) /= weft_option_error) error stop "gif"
+  call check(weft_report_page("parts/profile.json", "page.html"))
+  call must_be_there("page.html")
+  call check(weft_compare_reports("parts/profile.json", "run/report.json", text, page="both.html"))
+  if (len(text) == 0) error stop "no comparison"
+  call must_be_there("both.html")
+  call check(weft_options_set(options, "subdomains", 0))
   call check(weft_convert("start.meshb", "start.msh", solution="h.solb", encoding="ascii", msh_version=2))
   call check(weft_convert("start.meshb", "start.stl", dropped=text))
   if (index(text, "tets") == 0) error stop "what an STL file cannot hold is not told"

@@ -54,6 +54,11 @@ CALLS = {
     "write_metric": dict(path="out.solb", metric=ONES, order="sol"),
     "draw": dict(path="out.png", mesh=MESH, metric=ONES, field=ONES, order="sol", size="80x60", only=[1], zoom=1, dark=False),
     "draw_histograms": dict(path="out.png", mesh=MESH, metric=ONES, order="sol", title="a"),
+    "replay": dict(graph="run/graph.json", ranks=2, threads=1, network="2us,10GB/s", balancer="none", slowdown=1, processor_times=False,
+                   copies=1, split=1, grow=1, subdomain_bytes=0, report="", account="", trace=""),
+    "task_graph": dict(path="run/graph.json", format="dot", round=None, subdomain=None, collapse="none", critical_path=False, plan=False),
+    "report_page": dict(profile="run/profile.json", page="page.html"),
+    "compare_reports": dict(a="run/profile.json", b="run/profile.json", page=""),
     "as_mesh": dict(mesh=MESH),
     "from_meshio": dict(mesh=MESH),
     "from_pyvista": dict(grid=MESH),
@@ -65,6 +70,7 @@ CALLS = {
 def test_strange_arguments_are_refused_by_name_or_mean_something(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     weft.write("box.meshb", MESH, metric=ONES)
+    weft.adapt_files("box.meshb", "small.meshb", metric_fn="uniform:1", subdomains=2, threads=1, report="run")
     for argument in CALLS[name]:
         for value in STRANGE:
             try:

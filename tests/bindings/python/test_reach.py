@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import json
 import os
 import pathlib
 import re
@@ -192,6 +193,32 @@ def test_runs_on_files_write_all_that_the_command_writes(tmp_path, start):
     with pytest.raises(weft.OptionError, match="--simulate-cores"):
         weft.adapt_files(tmp_path / "start.meshb", tmp_path / "simulated.meshb", metric_fn="uniform:0.2", subdomains=3,
                          simulate_ranks=2, simulate_cores=-1)
+
+
+def test_recorded_runs_are_replayed_drawn_and_compared_as_by_the_command(tmp_path, start):
+    for name, size in ("run", 0.2), ("finer", 0.15):
+        weft.adapt_files(tmp_path / "start.meshb", tmp_path / "out.meshb", metric_fn=f"uniform:{size}", subdomains=3, threads=1,
+                         report=tmp_path / name)
+    graph, profile = tmp_path / "run/graph.json", tmp_path / "run/profile.json"
+    told = weft.replay(graph, ranks=4, network="5us,1GB/s", balancer="diffusion", copies=2, slowdown=1.5,
+                       account=tmp_path / "replay.json", trace=tmp_path / "replay.trace.json")
+    assert told.pop("summary").startswith("simulated on    4 ranks")
+    assert told == json.loads((tmp_path / "replay.json").read_text()) and (tmp_path / "replay.trace.json").exists()
+    run(tmp_path, "replay", "run/graph.json", "--ranks", 4, "--network", "5us,1GB/s", "--balancer", "diffusion", "--copies", 2,
+        "--slowdown", 1.5, "--account", "command.json")
+    by_command = json.loads((tmp_path / "command.json").read_text())
+    assert {key: told[key] for key in ("seconds", "packets", "work_seconds", "subdomains")} == {
+        key: by_command[key] for key in ("seconds", "packets", "work_seconds", "subdomains")}
+    assert weft.task_graph(graph, collapse="rounds") == run(tmp_path, "graph", "run/graph.json", "--collapse", "rounds")
+    assert weft.task_graph(graph, format="graphml", subdomain=1) != weft.task_graph(graph, format="graphml")
+    assert weft.task_graph(graph, plan=True).startswith("digraph")
+    weft.report_page(profile, tmp_path / "page.html")
+    assert (tmp_path / "page.html").read_bytes() == (tmp_path / "run/report.html").read_bytes()
+    differences = weft.compare_reports(profile, tmp_path / "finer/profile.json", page=tmp_path / "both.html")
+    assert differences == run(tmp_path, "report", "run/profile.json", "finer/profile.json") and (tmp_path / "both.html").exists()
+    for wrong in dict(ranks=0), dict(balancer="none of them"), dict(subdomain_bytes=-1):
+        with pytest.raises(weft.OptionError, match="--" + next(iter(wrong)).replace("_", "-")):
+            weft.replay(graph, **wrong)
 
 
 def test_files_are_converted_as_by_the_command(tmp_path, start):

@@ -83,6 +83,8 @@ std::string require_text(const char* text, const char* argument) {
   return text;
 }
 
+std::string text_or_none(const char* text) { return text ? text : ""; }
+
 Point point_of(const double* x, const char* argument) {
   require(x, std::string(argument) + ": is NULL, not x y z");
   for (int i = 0; i < 3; ++i)

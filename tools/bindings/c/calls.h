@@ -32,6 +32,7 @@ void require(bool good, const std::string& misuse);
 void require_array(const void* array, std::int64_t count, std::int64_t width, const char* argument);
 void require_place(const void* place, const char* argument);
 std::string require_text(const char* text, const char* argument);
+std::string text_or_none(const char* text);  ///< NULL: none
 /// Three finite numbers.
 Point point_of(const double* x, const char* argument);
 

@@ -60,8 +60,6 @@ weft_file_settings default_files() {
   return s;
 }
 
-std::string text_or_none(const char* text) { return text ? text : ""; }
-
 Files files_of(const char* input, const char* output, const weft_file_settings& s) {
   Files files;
   files.input = require_text(input, "input");

@@ -68,6 +68,23 @@ module weft
     integer(c_int32_t) :: msh_version, compress, pieces
   end type write_settings
 
+  type, bind(c) :: replay_settings
+    integer(c_size_t) :: size
+    integer(c_int32_t) :: ranks, threads
+    type(c_ptr) :: network, balancer
+    real(c_double) :: slowdown, grow
+    integer(c_int64_t) :: subdomain_bytes
+    integer(c_int32_t) :: processor_times, copies, split, unused
+    type(c_ptr) :: report, account, trace
+  end type replay_settings
+
+  type, bind(c) :: graph_filter
+    integer(c_size_t) :: size
+    integer(c_int64_t) :: round, subdomain
+    type(c_ptr) :: collapse
+    integer(c_int32_t) :: critical_path, plan
+  end type graph_filter
+
   !> How far a run is: what a function of weft_set_progress is told.
   type, bind(c), public :: weft_progress
     integer(c_size_t) :: size
@@ -100,7 +117,8 @@ module weft
     weft_result_report, weft_result_told, weft_result_fill, weft_fill_to_result, weft_metric_make_with, &
     weft_measure, weft_stat, weft_draw_histograms, weft_fill_settings_default, weft_fill_to_background, &
     weft_tessellate, weft_ball_surface, weft_cylinder_surface, weft_delta_wing_surface, weft_mesh_repair, &
-    weft_fields_repair_metric, weft_surface_repair
+    weft_fields_repair_metric, weft_surface_repair, weft_replay, weft_graph_text, weft_report_page, &
+    weft_compare_reports
 
   interface weft_options_set
     module procedure options_set_text, options_set_real, options_set_integer
@@ -377,6 +395,27 @@ module weft
     end function
     function c_surface_repair(surface, mends) bind(c, name="weft_surface_repair")
       import; type(c_ptr), value :: surface; type(c_ptr), intent(inout) :: mends; integer(c_int) :: c_surface_repair
+    end function
+    function c_replay_settings_default(settings) bind(c, name="weft_replay_settings_default")
+      import; type(replay_settings), intent(inout) :: settings; integer(c_int) :: c_replay_settings_default
+    end function
+    function c_replay(graph, settings, summary, json) bind(c, name="weft_replay")
+      import; character(c_char), intent(in) :: graph(*); type(replay_settings), intent(in) :: settings
+      type(c_ptr), intent(inout) :: summary, json; integer(c_int) :: c_replay
+    end function
+    function c_graph_filter_default(filter) bind(c, name="weft_graph_filter_default")
+      import; type(graph_filter), intent(inout) :: filter; integer(c_int) :: c_graph_filter_default
+    end function
+    function c_graph_text(path, form, filter, text) bind(c, name="weft_graph_text")
+      import; character(c_char), intent(in) :: path(*), form(*); type(graph_filter), intent(in) :: filter
+      type(c_ptr), intent(inout) :: text; integer(c_int) :: c_graph_text
+    end function
+    function c_report_page(profile, page) bind(c, name="weft_report_page")
+      import; character(c_char), intent(in) :: profile(*), page(*); integer(c_int) :: c_report_page
+    end function
+    function c_compare_reports(a, b, page, text) bind(c, name="weft_compare_reports")
+      import; character(c_char), intent(in) :: a(*), b(*); type(c_ptr), value :: page
+      type(c_ptr), intent(inout) :: text; integer(c_int) :: c_compare_reports
     end function
     function c_draw_histograms(path, mesh, metric) bind(c, name="weft_draw_histograms")
       import; character(c_char), intent(in) :: path(*); type(c_ptr), value :: mesh, metric
@@ -932,6 +971,93 @@ contains
     integer(c_int) :: status
     status = c_draw_histograms(trim(path)//c_null_char, mesh, metric)
   end function weft_draw_histograms
+
+  !> What a recorded run (graph.json or profile.json) would take on another machine, as `weft replay` says; the options
+  !> are those of the command. json and summary: the account for programs and for people.
+  function weft_replay(graph, json, summary, ranks, threads, network, balancer, slowdown, processor_times, copies, split, &
+                       grow, subdomain_bytes, report, account, trace) result(status)
+    character(*), intent(in) :: graph
+    character(:), allocatable, intent(inout) :: json
+    character(:), allocatable, intent(inout), optional :: summary
+    integer, intent(in), optional :: ranks, threads, copies, split
+    integer(c_int64_t), intent(in), optional :: subdomain_bytes
+    character(*), intent(in), optional :: network, balancer, report, account, trace
+    real(c_double), intent(in), optional :: slowdown, grow
+    logical, intent(in), optional :: processor_times
+    integer(c_int) :: status
+    type(replay_settings) :: settings
+    character(len=:, kind=c_char), allocatable, target :: network_0, balancer_0, report_0, account_0, trace_0
+    character(:), allocatable :: text
+    type(c_ptr) :: told, for_programs
+    settings%size = c_sizeof(settings)
+    status = c_replay_settings_default(settings)
+    if (status /= weft_ok) return
+    if (present(ranks)) settings%ranks = int(ranks, c_int32_t)
+    if (present(threads)) settings%threads = int(threads, c_int32_t)
+    if (present(network)) settings%network = address_of(network, network_0)
+    if (present(balancer)) settings%balancer = address_of(balancer, balancer_0)
+    if (present(slowdown)) settings%slowdown = slowdown
+    if (present(processor_times)) settings%processor_times = merge(1, 0, processor_times)
+    if (present(copies)) settings%copies = int(copies, c_int32_t)
+    if (present(split)) settings%split = int(split, c_int32_t)
+    if (present(grow)) settings%grow = grow
+    if (present(subdomain_bytes)) settings%subdomain_bytes = subdomain_bytes
+    settings%report = address_of(report, report_0)
+    settings%account = address_of(account, account_0)
+    settings%trace = address_of(trace, trace_0)
+    told = c_null_ptr
+    for_programs = c_null_ptr
+    status = c_replay(trim(graph)//c_null_char, settings, told, for_programs)
+    if (status /= weft_ok) return
+    json = text_taken(for_programs)
+    text = text_taken(told)
+    if (present(summary)) summary = text
+  end function weft_replay
+
+  !> The task graph of a run (graph.json, profile.json) as "dot", "graphml", "json" or "svg". round and subdomain: only
+  !> runs of this one, from 0. collapse: "none", "rounds", "subdomains".
+  function weft_graph_text(path, form, text, round, subdomain, collapse, critical_path, plan) result(status)
+    character(*), intent(in) :: path, form
+    character(:), allocatable, intent(inout) :: text
+    integer, intent(in), optional :: round, subdomain
+    character(*), intent(in), optional :: collapse
+    logical, intent(in), optional :: critical_path, plan
+    integer(c_int) :: status
+    type(graph_filter) :: filter
+    character(len=:, kind=c_char), allocatable, target :: collapse_0
+    type(c_ptr) :: told
+    filter%size = c_sizeof(filter)
+    status = c_graph_filter_default(filter)
+    if (status /= weft_ok) return
+    if (present(round)) filter%round = round
+    if (present(subdomain)) filter%subdomain = subdomain
+    if (present(collapse)) filter%collapse = address_of(collapse, collapse_0)
+    if (present(critical_path)) filter%critical_path = merge(1, 0, critical_path)
+    if (present(plan)) filter%plan = merge(1, 0, plan)
+    told = c_null_ptr
+    status = c_graph_text(trim(path)//c_null_char, trim(form)//c_null_char, filter, told)
+    if (status == weft_ok) text = text_taken(told)
+  end function weft_graph_text
+
+  !> Writes the page of a run's profile.json.
+  function weft_report_page(profile, page) result(status)
+    character(*), intent(in) :: profile, page
+    integer(c_int) :: status
+    status = c_report_page(trim(profile)//c_null_char, trim(page)//c_null_char)
+  end function weft_report_page
+
+  !> What got slower from run a to run b (profile.json or report.json), and how the meshes differ; page: as a page too.
+  function weft_compare_reports(a, b, text, page) result(status)
+    character(*), intent(in) :: a, b
+    character(:), allocatable, intent(inout) :: text
+    character(*), intent(in), optional :: page
+    integer(c_int) :: status
+    character(len=:, kind=c_char), allocatable, target :: page_0
+    type(c_ptr) :: told
+    told = c_null_ptr
+    status = c_compare_reports(trim(a)//c_null_char, trim(b)//c_null_char, address_of(page, page_0), told)
+    if (status == weft_ok) text = text_taken(told)
+  end function weft_compare_reports
 
   !> Of a result's part, not copied: ids from 0 without gaps, and the rank that owns each point.
   function weft_part_points(part, ids, owners) result(status)

@@ -218,9 +218,9 @@ void write_trace(const std::string& path, const graph::replay::Replayed& replaye
 }
 
 /// As a real run writes it; the page needs what the recorded run says of the mesh.
-void write_report(const std::string& folder, const Json& report, const Json& account,
+void write_report(const std::string& folder, const Json& report, const std::string& account,
                   const graph::replay::Replayed& replayed) {
-  tools::write_text((fs::path(folder) / "replay.json").string(), tools::text_of(account, 1) + "\n");
+  tools::write_text((fs::path(folder) / "replay.json").string(), account);
   tools::write_graph((fs::path(folder) / "graph.json").string(), replayed.graph);
   if (!report.is_object()) return;
   const Json profile = report::profile_json({.report = report,
@@ -295,13 +295,13 @@ ReplayResult replay(const std::string& path, const ReplayOptions& options) {
   });
   ReplayResult result = result_of(recorded, replayed, options, used);
   result.recorded_seconds = recorded_seconds;
+  result.json = tools::text_of(json_of(result, path, replayed.engine), 1) + "\n";
   if (!options.report.empty()) {
     tools::make_folder(options.report);
     result.report = (fs::path(options.report) / "replay.json").string();
-    write_report(options.report, report, json_of(result, path, replayed.engine), replayed);
+    write_report(options.report, report, result.json, replayed);
   }
-  if (!options.account.empty())
-    tools::write_text(options.account, tools::text_of(json_of(result, path, replayed.engine), 1) + "\n");
+  if (!options.account.empty()) tools::write_text(options.account, result.json);
   if (!options.trace.empty()) write_trace(options.trace, replayed);
   return result;
 }

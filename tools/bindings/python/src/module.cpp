@@ -57,4 +57,5 @@ PYBIND11_MODULE(_weft, module) {
   weft::python::add_runs(module);
   weft::python::add_functions(module);
   weft::python::add_files(module);
+  weft::python::add_recordings(module);
 }

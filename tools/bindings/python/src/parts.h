@@ -19,6 +19,7 @@ void add_objects(py::module_& module);
 void add_runs(py::module_& module);
 void add_functions(py::module_& module);
 void add_files(py::module_& module);
+void add_recordings(py::module_& module);
 
 /// What any thread may ask of a run: to end early, to write a checkpoint.
 struct Cancel {

@@ -54,10 +54,11 @@ __all__ = [
     "Cancel", "Check", "Error", "FilesResult", "FillResult", "InputError", "InternalError", "Interrupted", "Mesh",
     "MeshFile", "Metric", "Option", "OptionError", "OutOfMemory", "PartResult", "Result", "RunError",
     "SimulatedFilesResult", "Transfer", "UsageError", "adapt", "adapt_files", "as_mesh", "ball_surface", "box",
-    "complexity", "convert", "cylinder_surface", "delta_wing_surface", "draw", "draw_histograms", "fill", "from_meshio",
-    "from_pyvista", "interpolate", "loop", "make_metric", "measure", "options", "read", "read_fields", "read_file",
-    "read_metric", "repair", "repair_metric", "repair_surface", "stat", "tessellate", "to_meshio", "to_pyvista", "verify", "version_details", "write",
-    "write_fields", "write_metric",
+    "compare_reports", "complexity", "convert", "cylinder_surface", "delta_wing_surface", "draw", "draw_histograms",
+    "fill", "from_meshio", "from_pyvista", "interpolate", "loop", "make_metric", "measure", "options", "read",
+    "read_fields", "read_file", "read_metric", "repair", "repair_metric", "repair_surface", "replay", "report_page",
+    "stat", "task_graph", "tessellate", "to_meshio", "to_pyvista", "verify", "version_details", "write", "write_fields",
+    "write_metric",
 ]
 
 
@@ -522,3 +523,41 @@ def draw_histograms(path: _Path, mesh: MeshLike, metric: MetricLike, *, order: O
                     title: str = "the mesh in the metric") -> None:
     """Draws histograms of quality and length in a metric into a .png, .svg or .pdf, as `weft stat --plot` does."""
     _weft.draw_histograms(path, as_mesh(mesh), _some_metric(metric, order), title)
+
+
+@_checked
+def replay(graph: _Path, *, ranks: int = 1, threads: int = 1, network: str = "2us,10GB/s", balancer: str = "stealing",
+           slowdown: float = 1, processor_times: bool = False, copies: int = 1, split: int = 1, grow: float = 1,
+           subdomain_bytes: int = 0, report: _Path = "", account: _Path = "", trace: _Path = "") -> Dict[str, Any]:
+    """What a recorded run (graph.json or profile.json of report=) would take on another machine, as `weft replay` says.
+
+    Returns its account (schema weft-replay-1), with the one for people as "summary". The options are those of the
+    command. report: folder, account and trace: files to write; empty: none.
+    """
+    summary, told = _weft.replay(graph, ranks, threads, network, balancer, slowdown, processor_times, copies, split, grow,
+                                 subdomain_bytes, report, account, trace)
+    return {**_json.loads(told), "summary": summary}
+
+
+@_checked
+def task_graph(path: _Path, *, format: str = "dot", round: Optional[int] = None, subdomain: Optional[int] = None,
+               collapse: str = "none", critical_path: bool = False, plan: bool = False) -> str:
+    """The task graph of a run (graph.json, profile.json) as 'dot', 'graphml', 'json' or 'svg', as `weft graph` gives it.
+
+    round, subdomain: only runs of this one. collapse: 'rounds' or 'subdomains' are one vertex each. critical_path: only
+    that. plan: the planned graph, which is the same for every subdomain.
+    """
+    return _weft.task_graph(path, format, round, subdomain, collapse, critical_path, plan)
+
+
+@_checked
+def report_page(profile: _Path, page: _Path) -> None:
+    """Writes the page of a run's profile.json."""
+    _weft.report_page(profile, page)
+
+
+@_checked
+def compare_reports(a: _Path, b: _Path, *, page: _Path = "") -> str:
+    """What got slower from run `a` to run `b` (profile.json or report.json), and how the meshes differ, as
+    `weft report A B` says; `page`: a file for it as a page, too."""
+    return _weft.compare_reports(a, b, page)

@@ -49,6 +49,7 @@ struct ReplayResult {
   std::vector<std::uint64_t> memory;  ///< bytes by rank: its most subdomains at a time
   double simulation_seconds = 0;      ///< that the replay took here
   std::string report;                 ///< replay.json; empty: none
+  std::string json;                   ///< what it has
 };
 
 /// `path`: graph.json or profile.json of a run (weft adapt --report DIR). Throws InputError, OptionError.

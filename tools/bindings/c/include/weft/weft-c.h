@@ -446,6 +446,52 @@ WEFT_C_API weft_status weft_cylinder_surface(double radius, double height, const
                                              weft_mesh** surface);
 WEFT_C_API weft_status weft_delta_wing_surface(double size, weft_mesh** surface);
 
+/* ----------------------------------------------------------------------------------------- Recorded runs */
+
+/* Another machine, for the task graph of a run; the texts as those of `weft replay`. */
+typedef struct weft_replay_settings {
+  size_t size; /* sizeof(weft_replay_settings) */
+  int32_t ranks;
+  int32_t threads;     /* a rank; a task takes one */
+  const char* network; /* LATENCY,BANDWIDTH[,TOPOLOGY] */
+  const char* balancer;
+  double slowdown;         /* of every task */
+  double grow;             /* so many times the tets in each subdomain */
+  int64_t subdomain_bytes; /* of one that moves; 0: by the recording */
+  int32_t processor_times; /* 1: tasks take their processor time */
+  int32_t copies;          /* so many times the recorded mesh */
+  int32_t split;           /* so many times the subdomains of the mesh */
+  int32_t unused;
+  const char* report;  /* folder; NULL: none. So are the next two, which are files. */
+  const char* account; /* what `json` gives */
+  const char* trace;   /* a timeline */
+} weft_replay_settings;
+WEFT_C_API weft_status weft_replay_settings_default(weft_replay_settings* settings);
+/* `graph`: graph.json or profile.json of a run. `settings` may be NULL. `summary` and `json` (either may be
+   NULL) are the account for people and for programs (schema weft-replay-1). */
+WEFT_C_API weft_status weft_replay(const char* graph, const weft_replay_settings* settings,
+                                   weft_text** summary, weft_text** json);
+
+/* What of a task graph is shown. */
+typedef struct weft_graph_filter {
+  size_t size;           /* sizeof(weft_graph_filter) */
+  int64_t round;         /* only runs of this round; -1: of all. So is the next. */
+  int64_t subdomain;     /* from 0 */
+  const char* collapse;  /* none, rounds, subdomains: what is one vertex */
+  int32_t critical_path; /* 1: only that */
+  int32_t plan;          /* 1: the planned graph, which is the same for every subdomain */
+} weft_graph_filter;
+WEFT_C_API weft_status weft_graph_filter_default(weft_graph_filter* filter);
+/* The task graph of a run (graph.json, profile.json) as dot, graphml, json or svg. `filter` may be NULL. */
+WEFT_C_API weft_status weft_graph_text(const char* path, const char* format, const weft_graph_filter* filter,
+                                       weft_text** text);
+
+/* Writes the page of a run's profile.json. */
+WEFT_C_API weft_status weft_report_page(const char* profile, const char* page);
+/* What got slower from run `a` to run `b` (profile.json or report.json), and how the meshes differ; as a page
+   too, unless `page` is NULL. */
+WEFT_C_API weft_status weft_compare_reports(const char* a, const char* b, const char* page, weft_text** text);
+
 #ifdef __cplusplus
 }
 #endif
