@@ -235,6 +235,18 @@ void warn_of_limit(engine::Runtime& runtime, EnginePeers& peers, const Adaptatio
                      " to be freed");
 }
 
+/// All ranks: what the partitioner says where the first subdomains are divided later than the mesh.
+void warn_of_division(engine::Runtime& runtime, EnginePeers& peers, const AdaptationPlan& plan,
+                      std::vector<std::string>& warnings) {
+  if (plan.seeds.empty()) return;
+  std::string mine;
+  dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
+    if (mine.empty()) mine = task.division_warning();
+  });
+  const std::string first = partition::first_text(peers, mine);
+  if (!first.empty()) warnings.push_back(first);
+}
+
 /// The subdomains have been made pieces of: their vertices and boundary faces have these numbers.
 void account_on_model(engine::Runtime& runtime, EnginePeers& peers, const meshing::Surface& surface,
                       DistributedResult& result) {
@@ -466,6 +478,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
     throw std::logic_error("the subdomains have not finished: " + lines.front());
   result.adaptation_seconds = seconds_since(middle);
   warn_of_limit(runtime, peers, plan, result.warnings);
+  warn_of_division(runtime, peers, plan, result.warnings);
   take_pieces(runtime, peers, *rank.geometry, result);
   return result;
 }

@@ -65,12 +65,16 @@ std::uint32_t parts_at_first(const partition::InputMeasures& input, const PlanOp
   // Boxes under anisotropic metrics have .1 to .5; meshes that were adapted to a metric of a coarser mesh, or
   // of another solution, .7 and more: these have interfaces as good as any, and are not to wait for seeds.
   constexpr double kFarMean = 0.65;
+  // A tet is whole: a subdomain that has one with more than its share has the more to do, however others are
+  // cut.
+  constexpr double kMostOfShare = 2;
   const std::uint32_t all = options.subdomains;
   const auto tets = static_cast<double>(input.tets);
   const double coarseness = coarseness_to_divide(input.complexity, all);
   if (all < 2 || options.most_shifts == 0 || coarseness == 1) return all;
-  const bool has_few = tets < kFewTets * all, is_far = input.mean_quality < kFarMean;
-  if (!has_few && !is_far) return all;
+  const bool has_few = tets < kFewTets * all,
+             is_far = input.mean_quality<kFarMean, is_crowded = input.largest_share * all> kMostOfShare;
+  if (!has_few && !is_far && !is_crowded) return all;
   const double most = std::max(tets, tets_of(input.complexity, coarseness));
   if (options.partitioner.kind == partition::Partitioner::Kind::pqr)
     return most > options.tets_of_seed ? all : 1;  // it divides one mesh

@@ -16,8 +16,9 @@ struct PlanOptions {
   double tets_of_seed = 1e5;  ///< DistributedOptions
 };
 
-/// How many subdomains have tets at first: all, or fewer where the input is far from its metric or has few
-/// tets. Those few make a mesh with some hundred tets for each of all subdomains, and are divided.
+/// How many subdomains have tets at first: all, or fewer where the input is far from its metric, has few
+/// tets, or one that alone would become too much for a subdomain. Those few make a mesh with some hundred
+/// tets for each of all subdomains, and are divided.
 std::uint32_t parts_at_first(const partition::InputMeasures& input, const PlanOptions& options);
 
 /// Fills AdaptationPlan::phases and all about division, from subdomains, most_shifts and what is known now.

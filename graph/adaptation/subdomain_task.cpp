@@ -220,7 +220,9 @@ void SubdomainTask::divide(NodeContext& context, BeginDivision) {
   options.keeps_all = is_unfit_to_divide(plan, round);
   const std::vector<Ref> from = neighbours(context);
   shifts_.push_back({round});
-  for (auto& [to, parcel] : partition::divide(subdomain_, options, &geometry.surface)) {
+  partition::Divided divided = partition::divide(subdomain_, options, &geometry.surface);
+  division_warning_ = std::move(divided.warning);
+  for (auto& [to, parcel] : divided.parcels) {
     shifts_.back().sent += parcel.tets.size();
     context.send<&SubdomainTask::scatter>(object_of(plan, context.ranks(), to), round, std::move(parcel));
   }

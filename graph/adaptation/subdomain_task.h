@@ -165,6 +165,8 @@ class SubdomainTask {
   const meshing::OperationCounts& counts() const { return counts_; }
   /// Vertices of the interface that it would have freed had there been more shifts.
   std::uint64_t wanted_at_limit() const { return wanted_at_limit_; }
+  /// What is to be said of the parts that it was divided into; empty: nothing.
+  const std::string& division_warning() const { return division_warning_; }
   const std::optional<Pause>& paused() const { return paused_; }
   /// Ends the pause that it has made (AdaptationPlan::pauses), if any; to be started there.
   std::optional<Pause> release();
@@ -180,7 +182,7 @@ class SubdomainTask {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(subdomain_, predicted_tets_, wants_, priority_, neighbourhood_wants_, rests_, woken_for_, shifts_,
-            counts_, left_, news_, wanted_at_limit_, released_, paused_);
+            counts_, left_, news_, wanted_at_limit_, division_warning_, released_, paused_);
   }
 
   // The nodes.
@@ -229,6 +231,7 @@ class SubdomainTask {
   meshing::NonconformingParts left_;  ///< after the last adaptation
   SubdomainProgress news_;
   std::uint64_t wanted_at_limit_ = 0;
+  std::string division_warning_;
   Pause released_;               ///< the latest that it need not make any more: the first is over
   std::optional<Pause> paused_;  ///< now
 };

@@ -32,8 +32,12 @@ std::string text_of_lowest(Peers& peers, bool has, const std::string& text) {
 void throw_issue(const std::string& issue) { throw meshing::InputError("", "", issue); }
 
 void agree(Peers& peers, const std::string& issue) {
-  const std::string first = text_of_lowest(peers, !issue.empty(), issue);
+  const std::string first = first_text(peers, issue);
   if (!first.empty()) throw_issue(first);
+}
+
+std::string first_text(Peers& peers, const std::string& text) {
+  return text_of_lowest(peers, !text.empty(), text);
 }
 
 std::string text_of_first(Peers& peers, const std::string& text) {

@@ -32,6 +32,9 @@ void agree_on(Peers& peers, const Action& action) {
   agree(peers, issue_of(action));
 }
 
+/// All ranks: the text of the lowest rank that has one; empty where none has.
+std::string first_text(Peers& peers, const std::string& text);
+
 /// All ranks: the text of rank 0.
 std::string text_of_first(Peers& peers, const std::string& text);
 

@@ -4,6 +4,7 @@
 #include <metis.h>
 
 #include <algorithm>
+#include <functional>
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
@@ -73,11 +74,29 @@ struct MetisGraph {
   std::vector<idx_t> begins, neighbours, weights, face_weights;
 };
 
+/// No tet counts for more than a part: one that has more is a part by itself, and the others are divided as
+/// if it were not there. METIS would look for cuts where there are no tets, and say so on stdout.
+void limit_to_parts(std::vector<std::uint64_t>& work, std::uint32_t num_parts) {
+  std::uint64_t total = std::accumulate(work.begin(), work.end(), std::uint64_t{0});
+  if (std::ranges::max(work) <= total / num_parts) return;
+  std::vector<std::uint64_t> heaviest_first = work;
+  std::ranges::sort(heaviest_first, std::greater<>());
+  std::uint64_t parts = num_parts;
+  for (const std::uint64_t of_tet : heaviest_first) {
+    if (parts == 1 || of_tet <= total / parts) break;
+    total -= of_tet;
+    --parts;
+  }
+  const std::uint64_t most = std::max<std::uint64_t>(1, total / parts);
+  for (std::uint64_t& of_tet : work) of_tet = std::min(of_tet, most);
+}
+
 /// Gives the tets' memory back.
-MetisGraph metis_graph(std::vector<DualVertex>&& tets) {
+MetisGraph metis_graph(std::vector<DualVertex>&& tets, std::uint32_t num_parts) {
   std::vector<std::uint64_t> work;
   work.reserve(tets.size());
   for (const DualVertex& tet : tets) work.push_back(tet.weight);
+  limit_to_parts(work, num_parts);
   MetisGraph graph;
   graph.weights = small_weights(work);
   meshing::release(work);
@@ -183,7 +202,8 @@ std::vector<std::vector<std::uint32_t>> divide(std::vector<std::vector<Traveller
     const bool is_dealt =
         bisected.sizes.size() > 1 && num_parts >= kManyOfGroup && count <= 2 * kWorthDealing;
     const bool recursive = num_parts <= kMostByRecursion || count <= limits.by_recursion || is_dealt;
-    for (const idx_t part : metis_parts(metis_graph(std::move(group.tets)), num_parts, recursive)) {
+    for (const idx_t part :
+         metis_parts(metis_graph(std::move(group.tets), num_parts), num_parts, recursive)) {
       parts[origin->rank][origin->place] = static_cast<std::uint32_t>(part);
       ++origin;
     }

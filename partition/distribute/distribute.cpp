@@ -69,7 +69,7 @@ class TetPoints {
 /// What is known of the slice's tets, and of the whole mesh, before it is decomposed.
 struct Measured {
   std::vector<double> complexities;
-  double complexity = 0, mean_quality = 0;  ///< of the whole mesh
+  double complexity = 0, mean_quality = 0, largest_share = 0;  ///< InputMeasures
   meshing::Box box;
 };
 
@@ -132,7 +132,10 @@ Measured check_and_measure(Peers& peers, const MeshSlice& slice, const PlacedTet
   const std::vector<double> qualities = weighed_qualities(placed, points, complexities);
   const std::array<std::span<const double>, 2> lists = {complexities, qualities};
   const std::vector<double> sums = ordered_sums(peers, lists);
-  return {std::move(complexities), sums[0], sums[0] > 0 ? sums[1] / sums[0] : 0, box_of(peers, points)};
+  if (sums[0] <= 0) return {std::move(complexities), sums[0], 0, 0, box_of(peers, points)};
+  const double largest = complexities.empty() ? 0 : std::ranges::max(complexities);
+  return {std::move(complexities), sums[0], sums[1] / sums[0], partition::max(peers, largest) / sums[0],
+          box_of(peers, points)};
 }
 
 /// M <- factor^(2/3) M.
@@ -334,10 +337,10 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   }
   BoundaryShare boundary = complete_boundary(peers, slice, placed, points, tets);
   result.box = measured.box;
-  const std::uint32_t parts =
-      options.parts_at_first
-          ? options.parts_at_first({slice.num_tets, result.complexity, result.mean_quality})
-          : options.num_subdomains;
+  const std::uint32_t parts = options.parts_at_first
+                                  ? options.parts_at_first({slice.num_tets, result.complexity,
+                                                            result.mean_quality, measured.largest_share})
+                                  : options.num_subdomains;
   Decomposition decomposition;
   result.cut_by_runs = parts == options.num_subdomains && options.partitioner.runs_suffice &&
                        !options.equal_tets && is_nearly_right(result, slice.num_tets) &&

@@ -20,8 +20,9 @@ namespace weft::partition {
 /// What is known of the whole mesh before it is decomposed.
 struct InputMeasures {
   std::uint64_t tets = 0;
-  double complexity = 0;    ///< in its metric
-  double mean_quality = 0;  ///< of the tets, in its metric, weighed by what each has of the complexity
+  double complexity = 0;     ///< in its metric
+  double mean_quality = 0;   ///< of the tets, in its metric, weighed by what each has of the complexity
+  double largest_share = 0;  ///< of the complexity, in one tet
 };
 
 struct DecompositionOptions {

@@ -82,8 +82,8 @@ std::vector<double> reaches(const TetMesh& mesh, const LiveTets& live, const mes
 }
 
 /// By place in `live`; the mesh is whole here, so nobody is asked.
-std::vector<SubdomainId> parts_of(const TetMesh& mesh, const LiveTets& live, const DivisionOptions& options,
-                                  const meshing::Surface* surface) {
+Decomposition parts_of(const TetMesh& mesh, const LiveTets& live, const DivisionOptions& options,
+                       const meshing::Surface* surface) {
   const TetMeasures& m = live.measures;
   std::vector<double> work(live.ids.size(), 1);
   if (!options.equal_tets) work = m.work();
@@ -96,19 +96,20 @@ std::vector<SubdomainId> parts_of(const TetMesh& mesh, const LiveTets& live, con
   return decompose(alone,
                    {m.centres, m.corners, work, numbers, m.cut_tensors, live.vertices, m.face_areas,
                     m.complexities, along},
-                   options.num_parts, options.partitioner)
-      .subdomains;
+                   options.num_parts, options.partitioner);
 }
 
-/// The subdomain keeps the first part.
+/// The subdomain keeps the first part. `warning`: what is to be said of the parts.
 Chosen choose_parts(const Subdomain& s, const DivisionOptions& options, const meshing::Surface* surface,
-                    const ReceiverOrder& order) {
+                    const ReceiverOrder& order, std::string& warning) {
   Chosen chosen;
   chosen.to.assign(s.mesh->tet_slots(), kNobody);
   if (options.num_parts == 1 || options.keeps_all) return chosen;
   const LiveTets live = live_tets(*s.mesh);
   if (live.ids.empty()) return chosen;
-  const std::vector<SubdomainId> parts = parts_of(*s.mesh, live, options, surface);
+  Decomposition decomposition = parts_of(*s.mesh, live, options, surface);
+  const std::vector<SubdomainId>& parts = decomposition.subdomains;
+  warning = std::move(decomposition.warning);
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (parts[k].value == 0) continue;
     chosen.to[live.ids[k].value] = order.place_of(SubdomainId(s.id.value + parts[k].value));
@@ -119,8 +120,7 @@ Chosen choose_parts(const Subdomain& s, const DivisionOptions& options, const me
 
 }  // namespace
 
-std::vector<PartParcel> divide(Subdomain& s, const DivisionOptions& options,
-                               const meshing::Surface* surface) {
+Divided divide(Subdomain& s, const DivisionOptions& options, const meshing::Surface* surface) {
   s.departures.clear();
   std::vector<Priority> parts;
   for (std::uint32_t p = 1; p < options.num_parts; ++p) parts.push_back({0, SubdomainId(s.id.value + p)});
@@ -129,11 +129,12 @@ std::vector<PartParcel> divide(Subdomain& s, const DivisionOptions& options,
   for (const SubdomainId neighbour : s.interface.neighbours()) receivers.push_back({neighbour, {}, {}});
   for (const Priority& part : parts) receivers.push_back({part.id, {}, {}});
   std::ranges::sort(receivers, {}, &Receiver::id);
-  std::vector<Parcel> parcels = hand_over(s, order, choose_parts(s, options, surface, order), receivers);
-  std::vector<PartParcel> addressed;
+  Divided result;
+  const Chosen chosen = choose_parts(s, options, surface, order, result.warning);
+  std::vector<Parcel> parcels = hand_over(s, order, chosen, receivers);
   for (std::size_t i = 0; i < parcels.size(); ++i)
-    addressed.push_back({receivers[i].id, std::move(parcels[i])});
-  return addressed;
+    result.parcels.push_back({receivers[i].id, std::move(parcels[i])});
+  return result;
 }
 
 double predicted_tets(const Subdomain& s) {

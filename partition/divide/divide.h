@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -22,15 +23,20 @@ struct DivisionOptions {
   bool keeps_all = false;       ///< the others get nothing
 };
 
-/// A parcel for each neighbour of the interface (without tets) and each new part but the subdomain's own, by
-/// addressee. scatter() must follow, with the parcels of all neighbours, which divide as well. `surface`: of
-/// the mesh's patches; a partitioner with a coordinate needs it, and that the subdomain is the whole mesh.
 struct PartParcel {
   SubdomainId to;
   Parcel parcel;
 };
-std::vector<PartParcel> divide(Subdomain& subdomain, const DivisionOptions& options,
-                               const meshing::Surface* surface = nullptr);
+struct Divided {
+  std::vector<PartParcel> parcels;
+  std::string warning;  ///< Decomposition::warning
+};
+
+/// A parcel for each neighbour of the interface (without tets) and each new part but the subdomain's own, by
+/// addressee. scatter() must follow, with the parcels of all neighbours, which divide as well. `surface`: of
+/// the mesh's patches; a partitioner with a coordinate needs it, and that the subdomain is the whole mesh.
+Divided divide(Subdomain& subdomain, const DivisionOptions& options,
+               const meshing::Surface* surface = nullptr);
 
 /// What a subdomain is predicted to have in the end, as in TetMeasures::work().
 double predicted_tets(const Subdomain& subdomain);

@@ -34,6 +34,17 @@ TEST(PartsAtFirst, AreFewFarFromTheMetric) {
   EXPECT_EQ(parts(500, 500'000, kFar, 128), 1u);
 }
 
+TEST(PartsAtFirst, AreFewWhereOneTetWouldBecomeTooMuchForASubdomain) {
+  partition::InputMeasures input{100'000, 200'000, kNear, 1.9 / 128};
+  PlanOptions options;
+  options.subdomains = 128;
+  EXPECT_EQ(parts_at_first(input, options), 128u);
+  input.largest_share = 2.1 / 128;
+  EXPECT_LT(parts_at_first(input, options), 64u);
+  options.subdomains = 64;
+  EXPECT_EQ(parts_at_first(input, options), 64u);
+}
+
 TEST(PartsAtFirst, AreOneOrAllForSlabs) {
   const partition::Partitioner slabs{.kind = partition::Partitioner::Kind::pqr};
   EXPECT_EQ(parts(500, 50'000, kNear, 64, slabs), 1u);

@@ -176,6 +176,31 @@ class Results(Subdomains):
                 self.assertIn(f"20 subdomains by {partitioner}", done.stdout)
                 self.weft("verify", "out.meshb", "--against", "box.meshb")
 
+    def test_thin_slabs_of_a_mesh_that_is_divided_later_are_told_too(self):
+        self.box(2)
+        words = ("box.meshb", "--metric-fn", "uniform:0.1", "--complexity", 4000, "-o", "out.meshb", "--partitioner")
+        for ranks in (0, 2):
+            done = self.run_on(ranks, *words, "pqr:40x1x1")
+            self.assertIn("by the graph partitioner have about", done.stdout + done.stderr)
+            done = self.run_on(ranks, *words, "pqr:40x1x1:fewer")
+            self.assertRegex(done.stdout + done.stderr, r"\d+ of 40 subdomains stay empty")
+
+    def test_work_in_a_few_tets_is_spread_over_all_subdomains(self):
+        self.box(9)
+        self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.1", "-o", "m.sol")
+        head, values = (self.folder / "m.sol").read_text().split("1 3\n")
+        lines = values.split("\n")
+        middle = sorted(range(1000), key=lambda i: sum(abs(i // 10**k % 10 - 4.5) for k in range(3)))[:8]
+        for i in middle:
+            lines[i] = "10000 0 10000 0 0 10000"
+        (self.folder / "m.sol").write_text(head + "1 3\n" + "\n".join(lines))
+        done = self.run_on(2, "box.meshb", "--metric", "m.sol", "--complexity", 10000, "--subdomains", 64, "-o", "out.meshb", "--threads", 1,
+                           "--report", "r")
+        self.assertNotIn("***", done.stdout + done.stderr)  # METIS's words
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+        graph = json.loads((self.folder / "r" / "graph.json").read_text())
+        self.assertTrue(graph)
+
     def test_as_many_subdomains_as_the_partitioner_says(self):
         self.box(4)
         done = self.run_on(0, "box.meshb", "--metric-fn", "uniform:0.2", "--partitioner", "bisection", "--threads", 2, "-o",

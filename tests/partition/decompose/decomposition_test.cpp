@@ -94,6 +94,13 @@ std::pair<Whole, std::vector<std::uint64_t>> dealt(const Peers& peers, const Who
   return {std::move(mine), std::move(numbers)};
 }
 
+/// As the previous one, but nearly all work lies in every hundredth item.
+Whole crowded_whole(std::uint32_t cells) {
+  Whole w = whole_of(support::unit_cube(cells));
+  for (std::size_t i = 0; i < w.work.size(); ++i) w.work[i] = i % 100 == 0 ? 1000 : 0.01;
+  return w;
+}
+
 /// The subdomain of every item, the items being dealt out to `ranks` ranks.
 std::vector<SubdomainId> decompose_on(int ranks, const Whole& w, std::uint32_t n, const std::string& name) {
   std::vector<SubdomainId> all(w.work.size());
@@ -115,6 +122,19 @@ std::vector<double> loads(const Whole& w, const std::vector<SubdomainId>& subdom
 }
 
 class Partitioners : public ::testing::TestWithParam<std::string> {};
+
+TEST(GraphPartition, HeavyItemsAreSpreadWithoutAWordOfTheLibrary) {
+  const Whole w = crowded_whole(8);  // 31 heavy ones
+  for (const std::uint32_t n : {6u, 24u, 64u}) {
+    testing::internal::CaptureStdout();
+    const std::vector<SubdomainId> parts = decompose_on(1, w, n, "graph");
+    EXPECT_EQ(testing::internal::GetCapturedStdout(), "") << n;
+    std::vector<int> heavy(n, 0);
+    for (std::size_t i = 0; i < parts.size(); i += 100) ++heavy[parts[i].value];
+    EXPECT_LE(std::ranges::max(heavy), n == 6 ? 7 : n == 24 ? 3 : 2) << n;
+    EXPECT_EQ(decompose_on(3, w, n, "graph"), parts) << n;
+  }
+}
 
 TEST_P(Partitioners, DoNotDependOnTheNumberOfRanks) {
   const Whole w = random_whole(5, 3);

@@ -118,7 +118,7 @@ class Rounds {
     std::vector<std::map<SubdomainId, partition::Parcel>> parcels(subdomains_.size());  // [to][from]
     for (std::size_t i = 0; i < subdomains_.size(); ++i) {
       if (parts[i] == 0) continue;
-      for (auto& [to, parcel] : partition::divide(subdomains_[i], {parts[i], {}, false}))
+      for (auto& [to, parcel] : partition::divide(subdomains_[i], {parts[i], {}, false}).parcels)
         parcels[to.value].emplace(subdomains_[i].id, std::move(parcel));
     }
     expected_.clear();

@@ -2,6 +2,7 @@
 #include "tools/library/jobs/resources/memory.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -55,11 +56,38 @@ TEST(AvailableMemory, IsWhatTheTightestControlGroupLeaves) {
   std::filesystem::remove_all(root);
 }
 
-TEST(AvailableMemory, IsKnownHere) {
-  const auto room = available_memory();
+TEST(RoomOfRank, IsKnownHere) {
+  const auto room = room_of_rank(1, 0);
   ASSERT_TRUE(room);
   EXPECT_GT(*room, 0);
+  EXPECT_EQ(room_of_rank(1, 1e6), 1e6);
   EXPECT_GT(peak_memory_bytes(), 1e6);
+}
+
+TEST(RoomOfRank, IsAShareOfTheMachineButAllThatTheProcessMayHave) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  std::ifstream statm("/proc/self/statm");
+  double pages = 0;
+  statm >> pages;
+  constexpr double kRoom = 64e6;
+  rlimit limit = before;
+  limit.rlim_cur = static_cast<rlim_t>(pages * static_cast<double>(sysconf(_SC_PAGESIZE)) + kRoom);
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
+  const auto room = room_of_rank(4, 0);
+  setrlimit(RLIMIT_AS, &before);
+  ASSERT_TRUE(room);
+  EXPECT_GT(*room, kRoom / 2);
+  EXPECT_LE(*room, kRoom);
+}
+
+TEST(RanksOnThisMachine, AreReadFromSlurmsList) {
+  EXPECT_EQ(slurm_tasks_on("16", 0), 16);
+  EXPECT_EQ(slurm_tasks_on("16(x2),8", 1), 16);
+  EXPECT_EQ(slurm_tasks_on("16(x2),8", 2), 8);
+  EXPECT_EQ(slurm_tasks_on("16(x2),8", 3), 0);
+  EXPECT_EQ(slurm_tasks_on("", 0), 0);
+  EXPECT_EQ(slurm_tasks_on("many", 0), 0);
 }
 
 }  // namespace

@@ -119,24 +119,36 @@ std::optional<double> memory_left() {
   return room;
 }
 
-std::optional<double> available_memory() {
-  std::optional<double> room = memory_left();
-  lower(room, address_space_room());
-  return room;
+int slurm_tasks_on(const std::string& list, int node) {
+  std::istringstream groups(list);
+  std::string group;
+  while (node >= 0 && std::getline(groups, group, ',')) {
+    const auto times = group.find("(x");
+    node -= times == std::string::npos ? 1 : std::atoi(group.c_str() + times + 2);
+    if (node < 0) return std::max(0, std::atoi(group.c_str()));
+  }
+  return 0;
 }
 
 int ranks_on_this_machine(int ranks) {
-  for (const char* name : {"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"}) {
+  const auto number_of = [](const char* name) {
     const char* text = std::getenv(name);
-    const int number = text ? std::atoi(text) : 0;
+    return text ? std::atoi(text) : 0;
+  };
+  for (const char* name : {"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"})
+    if (const int number = number_of(name); number > 0) return std::min(number, ranks);
+  for (const char* name : {"SLURM_STEP_TASKS_PER_NODE", "SLURM_TASKS_PER_NODE"}) {
+    const char* list = std::getenv(name);
+    const int number = list ? slurm_tasks_on(list, number_of("SLURM_NODEID")) : 0;
     if (number > 0) return std::min(number, ranks);
   }
   return ranks;
 }
 
 std::optional<double> room_of_rank(int ranks, double limit) {
-  std::optional<double> room = available_memory();
+  std::optional<double> room = memory_left();
   if (room) *room /= ranks_on_this_machine(ranks);
+  lower(room, address_space_room());
   if (limit > 0) lower(room, limit);
   return room;
 }

@@ -22,14 +22,14 @@ inline constexpr double kSlotsOfSubdomain = 4;
 /// Bytes that the machine still has, less where a control group (a container, a batch job) allows less:
 /// whoever takes more is killed. Empty when the system does not tell.
 std::optional<double> memory_left();
-/// The same, less where ulimit -v allows less: then allocations fail.
-std::optional<double> available_memory();
-
-/// The same of one of the `ranks` of a run: those on this machine share it. Less where `limit` (0: none)
-/// allows less.
+/// What this process may take, one of the `ranks` of a run: those on this machine share what memory_left()
+/// says. Less where ulimit -v, which counts for each process, or `limit` (0: none) allows less.
 std::optional<double> room_of_rank(int ranks, double limit);
 /// How many of a run's ranks are on this machine, as the launcher says; all of them where it does not.
 int ranks_on_this_machine(int ranks);
+/// The number of tasks on a node by Slurm's list for all of them, "16(x2),8" (SLURM_TASKS_PER_NODE); 0 where
+/// it does not tell.
+int slurm_tasks_on(const std::string& list, int node);
 
 /// "MemAvailable" of the text of /proc/meminfo, in bytes.
 std::optional<double> parse_mem_available(const std::string& meminfo);
