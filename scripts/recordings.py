@@ -1,4 +1,4 @@
-"""What calibrate.py and scaling.py share: recorded runs of weft, and replays of them."""
+"""What calibrate.py, paper.py and scaling.py share: recorded runs of weft, and replays of them."""
 
 import json
 import os
@@ -28,7 +28,7 @@ class Recordings:
         parser.add_argument("--weft", default=ROOT / "build/bin/weft")
         parser.add_argument("--out", default=ROOT / "build" / out)
         parser.add_argument("--start", nargs=2, metavar=("MESH", "METRIC"), help="in place of a cube to polar-2")
-        parser.add_argument("--complexity", type=int, default=complexity, help=f"of the adapted mesh (default {complexity})")
+        parser.add_argument("--complexity", type=int, default=complexity, help="of the adapted mesh" + (f" (default {complexity})" if complexity else ""))
         parser.add_argument("--times", choices=("wall", "processor"), default="wall",
                             help="of recorded tasks; processor: for a machine that has other work, too")
 

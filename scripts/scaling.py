@@ -12,7 +12,8 @@ import itertools
 import json
 import sys
 
-from paper import PUBLISHED_EFFICIENCY, plot
+from drawing import plot
+from published import efficiency_curves
 from recordings import Recording, Recordings
 from whole_command import WholeCommand
 
@@ -114,9 +115,7 @@ def plots(book, strong_rows, weak_rows, options):
         whole = [(r["cores"], r["command"]) for r in mine if "command" in r]
         if whole:
             curves[f"weft, command, predicted, {words}"] = (whole, True, True)
-    for name, points in PUBLISHED_EFFICIENCY.items():
-        curves[name] = (sorted(points.items()), False, True)
-    (book.folder / "strong.svg").write_text(plot("Efficiency against one core", "cores", "efficiency", curves, log_x=True))
+    (book.folder / "strong.svg").write_text(plot("Efficiency against one core", "cores", "efficiency", {**curves, **efficiency_curves()}, log_x=True))
     curves = {f"weft, simulated, {words}, {threads} threads a rank": ([(r["cores"], r["weak"]) for r in weak_rows if (r["network"], r["threads"]) == (words, threads)], True, True)
               for words, threads in itertools.product(NETWORKS, options.threads)}
     (book.folder / "weak.svg").write_text(plot("Weak scaling of the loop", "cores", "efficiency", curves, log_x=True))
