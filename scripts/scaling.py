@@ -61,14 +61,28 @@ def strong(book, options, whole):
     return rows
 
 
+def copies_of(options, cores):
+    """Of the recording, for --a-core subdomains on each of so many cores; 0: no whole number of copies has them."""
+    copies, left = divmod(options.a_core * cores, options.subdomains)
+    return 0 if left else copies
+
+
+def left_out_of_weak(options):
+    """What is not in the table of weak scaling, and why."""
+    out = [cores for cores in options.weak if not copies_of(options, cores)]
+    return [f"Left out: {', '.join(map(str, out))} cores, for {options.a_core} subdomains on each are no multiple of the {options.subdomains} recorded."] if out else []
+
+
 def weak(book, options):
     rows = []
     for (words, network), threads in itertools.product(NETWORKS.items(), options.threads):
         reference = None
-        for cores in [cores for cores in options.weak if cores % threads == 0]:
-            copies = max(1, options.a_core * cores // options.subdomains)
+        for cores in [cores for cores in options.weak if cores % threads == 0 and copies_of(options, cores)]:
+            copies = copies_of(options, cores)
             replay = book.replay("recorded", cores // threads, network, "--threads", threads, "--copies", copies, "--grow", options.grow,
                                  "--balancer", options.balancer)
+            if replay["subdomains"] != options.a_core * cores:
+                sys.exit(f"scaling: --subdomains {options.subdomains}, but the recording has {replay['subdomains'] // copies}")
             of_core = replay["seconds"] / (replay["work_seconds"] / cores)  # the drawn work is not quite the same for each
             reference = reference or of_core
             rows.append({**replay, "network": words, "cores": cores, "threads": threads, "weak": reference / of_core})
@@ -96,7 +110,7 @@ def text_of(book, strong_rows, weak_rows, options):
         out.append(f"| {r['network']} | {r['cores']} | {r['threads']} | {r['subdomains']} | {r['seconds']:.4g} | {100 * r['loop']:.1f} % | {r['critical_path_seconds']:.3g} | "
                    f"{r['largest_subdomain_seconds']:.3g} | {r['migrations']['messages']} | {r['packets']['packets']} | {max(0, r['run_seconds'] - r['seconds']):.2g} | "
                    f"{limit_of(r)} | {command[0]} | {command[1]} |")
-    out += [f"\nWeak: {options.a_core} subdomains a core.\n", "| network | cores | threads a rank | subdomains | loop s | work a core s | efficiency against the first |", "|---|---|---|---|---|---|---|"]
+    out += [f"\nWeak: {options.a_core} subdomains a core.\n", *(line + "\n" for line in left_out_of_weak(options)), "| network | cores | threads a rank | subdomains | loop s | work a core s | efficiency against the first |", "|---|---|---|---|---|---|---|"]
     for r in weak_rows:
         out.append(f"| {r['network']} | {r['cores']} | {r['threads']} | {r['subdomains']} | {r['seconds']:.4g} | {r['work_seconds'] / r['cores']:.4g} | {100 * r['weak']:.1f} % |")
     return "\n".join(out) + "\n"

@@ -1,4 +1,4 @@
-"""The parts of scripts/paper.py that compute, and the interface shift that is found by place."""
+"""The parts of scripts/paper.py and scripts/scaling.py that compute, and the interface shift that is found by place."""
 
 import json
 import pathlib
@@ -15,6 +15,7 @@ import drawing  # noqa: E402
 import interface_shift  # noqa: E402
 import paper  # noqa: E402
 import published  # noqa: E402
+import scaling  # noqa: E402
 
 
 def histogram(counts, below=0, above=0):
@@ -68,6 +69,41 @@ class Times(unittest.TestCase):
 
     def test_cores_to_measure_are_powers_of_two_and_all(self):
         self.assertEqual([paper.cores_to_measure(n) for n in (1, 2, 6, 16)], [[1], [1, 2], [1, 2, 4, 6], [1, 2, 4, 8, 16]])
+
+
+class Recorded:
+    """In place of weft: as many subdomains as are asked for."""
+
+    def __init__(self, subdomains):
+        self.subdomains, self.copies = subdomains, []
+
+    def say(self, text):
+        pass
+
+    def replay(self, _, ranks, __, *words):
+        words = list(words)
+        self.copies.append(words[words.index("--copies") + 1])
+        return {"seconds": 2.0, "work_seconds": 1.0 * ranks, "subdomains": self.subdomains * self.copies[-1]}
+
+
+class WeakScaling(unittest.TestCase):
+    def options(self, **more):
+        return types.SimpleNamespace(**{"a_core": 8, "subdomains": 64, "weak": [1, 4, 8, 12, 16, 64], "threads": [1], "grow": 1, "balancer": "stealing", **more})
+
+    def test_all_rows_have_as_many_subdomains_a_core_as_the_title_says(self):
+        book, options = Recorded(64), self.options()
+        rows = scaling.weak(book, options)
+        self.assertEqual([row["cores"] for row in rows], [8, 16, 64] * 2)
+        self.assertEqual({row["subdomains"] / row["cores"] for row in rows}, {8})
+        self.assertEqual(book.copies, [1, 2, 8] * 2)
+        self.assertIn("1, 4, 12 cores", scaling.left_out_of_weak(options)[0])
+
+    def test_nothing_is_left_out_where_all_fit(self):
+        self.assertEqual(scaling.left_out_of_weak(self.options(weak=[8, 16])), [])
+
+    def test_another_recording_is_refused(self):
+        with self.assertRaises(SystemExit):
+            scaling.weak(Recorded(32), self.options())
 
 
 class Drawing(unittest.TestCase):
