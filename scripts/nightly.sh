@@ -32,5 +32,10 @@ scripts/many_ranks.py
 # Several hosts over TCP, links that are slow, lossy or cut, hosts that are lost; skips loudly where network namespaces are not permitted.
 scripts/several_hosts.py --hosts 4
 scripts/several_hosts.py --random 100
+# The paper's figures, and predicted scaling, on a small scale.
+scripts/paper.sh --quick
+scripts/scaling.py --complexity 5000 --subdomains 32 --copies 4 --grow 1 --cores 16 64 --weak 4 16 64 --threads 1 --whole 16
 scripts/bench.sh
 scripts/bench.sh engine
+# Predicted times beside measured ones; last, for other work of the machine makes it fail.
+scripts/calibrate.py
