@@ -103,5 +103,5 @@ def sequence(book, case):
     reported = runs["after"]["subdomains"]["shifts"][-1]["tets_moved"]
     unit = {name: 100 * run["subdomains"]["former_interface"]["edge_length"]["share_unit"] for name, run in runs.items()}
     found = (f"the shift hands over {reported:,} tets ({moved:,} of those in (a), by place); where the interface was, {unit['before']:.1f} % of the edges are "
-             f"unit in (a), {unit['after']:.1f} % in (c), {unit['end']:.1f} % in (d), after the last shift of {shifts_made(runs['end'])}")
+             f"unit in (a), {unit['after']:.1f} % in (c), {unit['end']:.1f} % in (d). (a), (c) and (d) are results of runs with 0, 1 and {shifts_made(runs['end'])} shifts")
     return found, "".join(rows)
