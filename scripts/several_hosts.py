@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Runs weft over TCP on several hosts that are network namespaces of this machine: latency, limited bandwidth, a link
-that is cut and restored, a host that is cut off for good or killed; or trials at random of all these. Needs root, ip and
-Open MPI; says loudly what it cannot do."""
+that is cut and restored, a host that is cut off for good or killed; or trials at random of all these. A run that has not
+lost a host must make the mesh of one process; one that has must end in time, with an exit code and words of HOST_LOST.
+Needs root, ip and Open MPI; says loudly what it cannot do."""
 
 import argparse
 import atexit
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -25,10 +27,23 @@ set -euo pipefail
 host=$1; shift
 exec ip netns exec {prefix}-${{host##*.}} unshare --uts bash -c 'hostname "$0"; eval "$1"' {prefix}-${{host##*.}} "$*"
 """
-# Silence after which a rank on another host counts as dead (RuntimeOptions::silence), the grace to agree on it, and
-# what mpirun takes to end.
-PATIENCE = 120
-RETRIES = 6  # of what nobody acknowledges: some 25 s
+# Seconds from the loss of a host. A rank that is silent for so long counts as dead; TCP gives up what nobody acknowledges
+# after RETRIES, each of which waits twice as long as the one before, and mpirun's end waits for that; a machine with other
+# work needs some more.
+SILENCE = int(re.search(r" silence\{([\d']+)\}", (ROOT / "engine/run/runtime.h").read_text())[1].replace("'", "")) / 1000
+RETRIES = 6
+MARGIN = 15
+NOTICED = SILENCE + MARGIN
+ENDED = SILENCE + 0.2 * (2 ** (RETRIES + 1) - 1) + MARGIN
+# How a run ends that has lost a host: exit code of mpirun, what is said, and who notices. The group `rank` or `node` must be
+# of the lost host, or, where that is the host of mpirun and cut off, of the others, which it has lost.
+HOST_LOST = {
+    2: r"error: rank (?P<rank>\d+) died",  # weft, which ends all by MPI_Abort with status 2 (<weft/weft.h>)
+    9: r"unable to reliably start one or more daemons",  # mpirun: what has started its daemon there (ssh, say) was killed
+    137: r"process rank (?P<rank>\d+) with PID \d+ on node \S+ exited on signal 9",  # its daemon there, before it ended too
+    205: r"Remote daemon: .* on node (?P<node>\S+)",  # mpirun: the connection to its daemon there is lost
+    -signal.SIGKILL: "",  # mpirun was on that host and was killed itself
+}
 
 
 def sh(*words, check=True):
@@ -75,9 +90,8 @@ class Hosts:
                 pass  # it has just ended
         return False
 
-    def left_over(self, host, patience):
-        """Whether processes of weft have not ended in that time; they are killed."""
-        end = time.monotonic() + patience
+    def left_over(self, host, end):
+        """Whether processes of weft have not ended by then; they are killed."""
         while self.works(host, "weft") and time.monotonic() < end:
             time.sleep(0.2)
         left = self.works(host, "weft")
@@ -144,6 +158,22 @@ class Run:
             code = None
         return code, self.said.read_text(), time.monotonic() - self.begin
 
+    def end_of_lost(self, before, lost_at):
+        """Exit code (None: it hung) of a run that lost a host then, what it said since (`before`: so many characters), seconds
+        until weft or mpirun first said so (None: nobody), and until it ended."""
+        noticed = None
+        while self.process.poll() is None and time.monotonic() < lost_at + ENDED:
+            noticed = noticed or self.notice(before, lost_at)
+            time.sleep(0.1)
+        seconds = time.monotonic() - lost_at
+        code = self.process.poll()
+        self.kill()
+        return code, self.said.read_text()[before:], noticed or self.notice(before, lost_at), seconds
+
+    def notice(self, before, lost_at):
+        said = self.said.read_text()[before:]
+        return time.monotonic() - lost_at if any(words and re.search(words, said) for words in HOST_LOST.values()) else None
+
 
 class Trials:
     def __init__(self, options, hosts, folder):
@@ -185,32 +215,55 @@ class Trials:
     def cut_and_restored(self, seconds):
         self.same_mesh(f"a link cut for {seconds} s", self.cut(self.hosts.count, self.options.cut_after, seconds))
 
-    def lost(self, name, host, after, lose, with_mpirun=False):
-        """A host that goes for good: the run ends and names it (unless mpirun goes too), no process goes on and nothing is written."""
+    def lost(self, name, host, after, lose, cut=False):
+        """A host that goes for good: the run ends as HOST_LOST says, in time, no process goes on, and there is no mesh, unless the
+        right one was written before."""
         run = Run(self.options, self.hosts, self.folder, "out")
         run.under_way(after)
         before, is_over = len(run.said.read_text()), run.process.poll() is not None
+        lost_at = time.monotonic()
         lose(host)
-        code, said, seconds = run.end(PATIENCE)
-        left = [h for h in range(1, self.hosts.count + 1) if self.hosts.left_over(h, PATIENCE)]
+        code, said, noticed, seconds = run.end_of_lost(before, lost_at)
+        left = [h for h in range(1, self.hosts.count + 1) if self.hosts.left_over(h, lost_at + ENDED)]
         self.hosts.link(host, True)
         if self.is_right(run, code):
-            self.say(name, self.options.random > 0, "the run was over before: a larger --complexity takes longer")
+            self.say(name, self.options.random is not None, "the run was over before: a larger --complexity takes longer")
         elif is_over:  # mpirun, for instance, gives up where it can't start all within a minute
-            self.say(name, False, f"the run had ended before by itself: exit {code} after {seconds:.1f} s\n{said}")
+            self.say(name, False, f"the run had ended before by itself: exit {code} after {time.monotonic() - run.begin:.1f} s\n{said}")
         else:
-            said = said[before:]
-            named = with_mpirun or "rank" in said or "10.77.0." in said or self.hosts.name(host) in said
-            good = code not in (None, 0) and named and not left and not run.output.exists()  # mpirun has codes of its own
-            what = next((line for line in said.splitlines() if "error" in line.lower() or "lost" in line.lower()), said.strip()[:200])
-            self.say(name, good, f"exit {code} after {seconds:.1f} s: {what}{f'; processes went on on hosts {left}' if left else ''}")
+            wrong = self.wrong_end(host, cut, code, said, noticed)
+            wrong += [f"processes went on on hosts {left}"] if left else []
+            wrong += ["it wrote another mesh"] if run.output.exists() and run.output.read_bytes() != self.bytes else []
+            what = re.search(f".*{HOST_LOST[code]}.*", said)[0] if not wrong and HOST_LOST[code] else ""
+            told = f"exit {code} after {seconds:.1f} s" + (f", noticed after {noticed:.1f} s: {what.strip()}" if what else "")
+            self.say(name, not wrong, "; ".join([told, *wrong]) + (f"\n{said}" if wrong else ""))
         run.output.unlink(missing_ok=True)
 
+    def wrong_end(self, host, cut, code, said, noticed):
+        """What is not as HOST_LOST has it."""
+        if code is None:
+            return [f"it hung for {ENDED:.0f} s"]
+        if code not in HOST_LOST or (code < 0) != (host == 1 and not cut):
+            return ["not an exit code of such a loss"]
+        if code < 0:
+            return []
+        told = re.search(HOST_LOST[code], said)
+        if not told:
+            return ["not the words of this exit code"]
+        wrong = [] if noticed <= NOTICED else [f"noticed after more than {NOTICED:.0f} s"]
+        # What is printed comes by mpirun, on host 1.
+        gone = range(2, self.hosts.count + 1) if host == 1 else [host]
+        named = told.groupdict()
+        if "rank" in named and int(named["rank"]) // self.options.ranks + 1 not in gone or \
+           "node" in named and named["node"] not in [self.hosts.name(h) for h in gone]:
+            wrong.append("it names a rank or node that was not lost")
+        return wrong
+
     def cut_for_good(self, host, after):
-        self.lost(f"host {host} cut off for good", host, after, lambda lost: self.hosts.link(lost, False))
+        self.lost(f"host {host} cut off for good", host, after, lambda lost: self.hosts.link(lost, False), cut=True)
 
     def killed(self, host, after):
-        self.lost(f"all processes of host {host} killed", host, after, self.hosts.kill, with_mpirun=host == 1)
+        self.lost(f"all processes of host {host} killed", host, after, self.hosts.kill)
 
     def at_random(self, draw):
         """One trial: links of any kind, then perhaps a cut, or a host that goes for good."""
@@ -259,10 +312,15 @@ def main():
     parser.add_argument("--cut-after", type=float, default=2, help="seconds after the ranks have begun")
     parser.add_argument("--limit", type=float, default=600, help="seconds after which a run hangs")
     parser.add_argument("--only", choices=["plain", "latency", "bandwidth", "restored", "cut", "killed"], help="one of the trials")
-    parser.add_argument("--repeat", type=int, default=1)
-    parser.add_argument("--random", type=int, default=0, help="so many trials at random in place of these")
-    parser.add_argument("--seed", type=int, default=1, help="of the first; the next ones count on")
+    parser.add_argument("--repeat", type=int, help="of the trials (default 1)")
+    parser.add_argument("--random", type=int, help="so many trials at random in place of these")
+    parser.add_argument("--seed", type=int, help="of the first at random; the next ones count on (default 1)")
     options = parser.parse_args()
+    for unused in ("only", "repeat") if options.random is not None else ("seed",):
+        if getattr(options, unused) is not None:
+            parser.error(f"--{unused} has no effect {'with' if options.random is not None else 'without'} --random")
+    if min(n for n in (options.repeat, options.random, options.ranks, 1) if n is not None) < 1:
+        parser.error("--repeat, --random, --ranks: at least 1")
     options.weft = options.weft.resolve()
     signal.signal(signal.SIGTERM, end_by_signal)
     if why := why_not():
@@ -270,9 +328,10 @@ def main():
     with tempfile.TemporaryDirectory(prefix="weft-hosts-") as folder:
         hosts = Hosts(options.hosts)
         trials = Trials(options, hosts, pathlib.Path(folder))
-        for seed in range(options.seed, options.seed + options.random):
+        first = 1 if options.seed is None else options.seed
+        for seed in range(first, first + (options.random or 0)):
             trials.at_random(random.Random(seed))
-        for _ in range(0 if options.random else options.repeat):
+        for _ in range(0 if options.random else options.repeat or 1):
             for name, trial in {
                 "plain": lambda: trials.same_mesh(f"{options.hosts} hosts"),
                 "latency": lambda: trials.shaped("latency of 20 ms, jitter 5 ms, 0.1 % lost", delay=0.02, jitter=0.005, loss=0.001),
