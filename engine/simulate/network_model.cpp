@@ -13,13 +13,20 @@ namespace weft::engine {
 namespace {
 
 constexpr double kTaper = 2;
+constexpr int kMostSwitchRanks = 100'000;
 
 struct Unit {
   std::string_view name;
   double value;
 };
 
-double number_with_unit(std::string_view word, std::initializer_list<Unit> units) {
+/// What a network may be: slower ones would let a rank's clock leave what it can count.
+struct Range {
+  double least, most;  ///< in the unit of value 1
+  std::string_view words;
+};
+
+double number_with_unit(std::string_view word, std::initializer_list<Unit> units, const Range& range) {
   std::string_view rest = word;
   rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
   if (rest.starts_with('+')) rest.remove_prefix(1);
@@ -27,8 +34,10 @@ double number_with_unit(std::string_view word, std::initializer_list<Unit> units
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
   rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
   for (const Unit& unit : units)
-    if (rest == unit.name && error == std::errc() && number > 0 && std::isfinite(number))
-      return number * unit.value;
+    if (rest == unit.name && error == std::errc() && number > 0 && std::isfinite(number)) {
+      if (number * unit.value >= range.least && number * unit.value <= range.most) return number * unit.value;
+      throw std::invalid_argument(text("'", word, "' is not between ", range.words));
+    }
   throw std::invalid_argument(text("'", word, "' is not a positive number with one of the units ",
                                    std::data(units)[1].name, " to ",
                                    std::data(units)[units.size() - 1].name));
@@ -51,6 +60,9 @@ void read_topology(std::string_view word, NetworkModel& network) {
     const auto [end, error] =
         std::from_chars(word.data() + colon + 1, word.data() + word.size(), network.switch_ranks);
     if (error != std::errc() || end != word.data() + word.size() || network.switch_ranks <= 0) break;
+    if (network.switch_ranks > kMostSwitchRanks)
+      throw std::invalid_argument(
+          text("'", word, "' has more than ", kMostSwitchRanks, " ranks a ", known.of));
     network.topology = known.topology;
     return;
   }
@@ -82,9 +94,11 @@ NetworkModel parse_network(std::string_view text_) {
     throw std::invalid_argument(text(
         "'", text_, "' is not LATENCY,BANDWIDTH[,flat|tree:N|fat-tree:N|dragonfly:N], as in 2us,10GB/s"));
   NetworkModel network;
-  network.latency = number_with_unit(words[0], {{"", 1}, {"ns", 1e-9}, {"us", 1e-6}, {"ms", 1e-3}, {"s", 1}});
+  network.latency = number_with_unit(words[0], {{"", 1}, {"ns", 1e-9}, {"us", 1e-6}, {"ms", 1e-3}, {"s", 1}},
+                                     {1e-12, 10, "1e-12 and 10 s"});
   network.bandwidth =
-      number_with_unit(words[1], {{"", 1}, {"B/s", 1}, {"MB/s", 1e6}, {"GB/s", 1e9}, {"Gbit/s", 1.25e8}});
+      number_with_unit(words[1], {{"", 1}, {"B/s", 1}, {"MB/s", 1e6}, {"GB/s", 1e9}, {"Gbit/s", 1.25e8}},
+                       {1e3, 1e15, "1000 and 1e15 B/s"});
   if (words.size() == 3) read_topology(words[2], network);
   return network;
 }

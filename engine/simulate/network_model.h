@@ -39,7 +39,8 @@ struct NetworkModel {
 };
 
 /// "LATENCY,BANDWIDTH[,flat|tree:N|fat-tree:N|dragonfly:N]": seconds or with a unit (2us, 50us), bytes a
-/// second (10GB/s). Throws std::invalid_argument that says what is expected.
+/// second (10GB/s); latencies to 10 s, bandwidths from 1,000 B/s. Throws std::invalid_argument that says what
+/// is expected.
 NetworkModel parse_network(std::string_view text);
 /// The opposite, for reports.
 std::string text_of(const NetworkModel& network);

@@ -141,12 +141,12 @@ class SimGridNetwork final : public FlowNetwork {
           host->get_netpoint(), nullptr);
     });
     constexpr auto kDuplex = sg4::Link::SharingPolicy::SPLITDUPLEX;
-    sg4::NetZone* zone =
-        network.topology == Topology::fat_tree
-            ? sg4::create_fatTree_zone("network", nullptr, fat_tree(ranks, network.switch_ranks), ports,
-                                       bandwidth, latency, kDuplex)
-            : sg4::create_dragonfly_zone("network", nullptr, dragonfly(ranks, network.switch_ranks), ports,
-                                         bandwidth, latency, kDuplex);
+    const int per_switch = std::min(network.switch_ranks, ranks);  // SimGrid makes a host for each
+    sg4::NetZone* zone = network.topology == Topology::fat_tree
+                             ? sg4::create_fatTree_zone("network", nullptr, fat_tree(ranks, per_switch),
+                                                        ports, bandwidth, latency, kDuplex)
+                             : sg4::create_dragonfly_zone("network", nullptr, dragonfly(ranks, per_switch),
+                                                          ports, bandwidth, latency, kDuplex);
     zone->seal();
   }
 

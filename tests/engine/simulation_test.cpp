@@ -155,8 +155,10 @@ TEST(Simulation, Networks_are_read_from_words) {
   EXPECT_EQ(parse_network("2us,10GB/s,dragonfly:4").switch_ranks, 4);
   EXPECT_EQ(parse_network("2us,10GB/s,flat").topology, Topology::flat);
   EXPECT_DOUBLE_EQ(parse_network("2e-6,1e10").bandwidth, 1e10);
-  for (const char* bad : {"", "2us", "2us,10GB/s,ring", "-1us,1GB/s", "2us,fast", "2us,1GB/s,tree:0",
-                          "2us,1GB/s,dragonfly", "2us,1GB/s,fat-tree:4x", "1,2,flat,4"})
+  for (const char* bad :
+       {"", "2us", "2us,10GB/s,ring", "-1us,1GB/s", "2us,fast", "2us,1GB/s,tree:0", "2us,1GB/s,dragonfly",
+        "2us,1GB/s,fat-tree:4x", "2us,1GB/s,flat,4", "1e9s,1GB/s", "2us,1B/s", "2us,1e30GB/s",
+        "2us,1GB/s,tree:2000000000", "2us,1GB/s,fat-tree:2000000000"})
     EXPECT_THROW(parse_network(bad), std::invalid_argument) << bad;
 }
 
