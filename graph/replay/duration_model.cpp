@@ -3,30 +3,52 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+
+#include "engine/base/text.h"
 
 namespace weft::graph::replay {
 
 using dataflow::DumpedRun;
 using dataflow::GraphDump;
 using dataflow::NodeIndex;
+using engine::TimePoint;
 
 namespace {
 
-/// By instance, the largest value that its runs have counted: a coarse phase may predict less than the last.
-std::vector<double> sizes_of(const GraphDump& dump) {
-  std::vector<double> sizes(dump.instances.size(), 0);
+std::size_t place_of_sizes(const GraphDump& dump) {
   const auto name = std::find(dump.counter_names.begin(), dump.counter_names.end(), kSizeCounter);
-  const auto place = static_cast<std::size_t>(name - dump.counter_names.begin());
-  for (const DumpedRun& run : dump.runs)
-    if (place < run.counters.size()) sizes[run.instance] = std::max(sizes[run.instance], run.counters[place]);
+  return static_cast<std::size_t>(name - dump.counter_names.begin());
+}
+
+/// By instance, the largest value that its runs have counted: a coarse phase may predict less than the last.
+std::vector<double> sizes_of(const GraphDump& dump, std::size_t place) {
+  constexpr double kMostTets = 1e15;
+  std::vector<double> sizes(dump.instances.size(), 0);
+  for (std::size_t r = 0; r < dump.runs.size(); ++r) {
+    const DumpedRun& run = dump.runs[r];
+    if (place >= run.counters.size()) continue;
+    const double size = run.counters[place];
+    if (!(size >= 0 && size <= kMostTets))
+      throw std::invalid_argument(engine::text("runs.counters[\"", kSizeCounter, "\"][", r, "] is ", size,
+                                               ": it is not between 0 and ", kMostTets));
+    sizes[run.instance] = std::max(sizes[run.instance], size);
+  }
   for (double& size : sizes) size = std::max(size, 1.0);
   return sizes;
 }
 
 }  // namespace
 
+TimePoint within_limits(double nanoseconds) {
+  constexpr double kMost = 1e18;
+  return static_cast<TimePoint>(std::min(nanoseconds, kMost));
+}
+
 DurationModel::DurationModel(const GraphDump& recorded)
-    : sizes_(sizes_of(recorded)), exponents_(recorded.description.nodes.size()) {
+    : size_counter_(place_of_sizes(recorded)),
+      sizes_(sizes_of(recorded, size_counter_)),
+      exponents_(recorded.description.nodes.size()) {
   add_samples(recorded);
   for (NodeIndex node = 0; node < exponents_.size(); ++node) fit(node, recorded.description.nodes[node].kind);
   for (auto& [key, samples] : samples_) samples.uneven = unevenness(samples.all, exponents_[key.first]);
@@ -82,10 +104,10 @@ engine::TimePoint DurationModel::draw(NodeIndex node, std::uint64_t round, const
   const Samples& samples = samples_.at({node, round});
   const Sample& drawn = samples.all[random() % samples.all.size()];
   const double mean = drawn.nanoseconds * std::pow(instance.size / drawn.size, exponent(node));
-  if (!(instance.size < drawn.size)) return static_cast<engine::TimePoint>(mean);
+  if (!(instance.size < drawn.size)) return within_limits(mean);
   const double variance = std::log1p((std::cbrt(drawn.size / instance.size) - 1) * samples.uneven);
   const double factor = std::exp(std::sqrt(variance) * instance.difficulty - variance / 2);
-  return static_cast<engine::TimePoint>(std::min(drawn.nanoseconds, mean * factor));
+  return within_limits(std::min(drawn.nanoseconds, mean * factor));
 }
 
 }  // namespace weft::graph::replay

@@ -15,6 +15,9 @@ namespace weft::graph::replay {
 /// The counter by which instances say how large they will be.
 inline constexpr const char* kSizeCounter = "tets predicted";
 
+/// Nanoseconds as whole ones; what is too long for any clock stays so without overflow.
+engine::TimePoint within_limits(double nanoseconds);
+
 /// An instance that was not recorded.
 struct Drawn {
   double size;
@@ -26,10 +29,13 @@ struct Drawn {
 /// is the mean: pieces differ more than what they are pieces of.
 class DurationModel {
  public:
+  /// Throws std::invalid_argument for sizes that are none.
   explicit DurationModel(const dataflow::GraphDump& recorded);
 
   /// Of each recorded instance: its predicted tets; 1 for all where that was not counted.
   const std::vector<double>& sizes() const { return sizes_; }
+  /// Where the runs' counters have the size.
+  std::size_t size_counter() const { return size_counter_; }
   /// Nanoseconds. What is hard for an instance in one round is so in the others.
   engine::TimePoint draw(dataflow::NodeIndex node, std::uint64_t round, const Drawn& instance,
                          std::mt19937_64& random) const;
@@ -50,6 +56,7 @@ class DurationModel {
   void fit(dataflow::NodeIndex node, dataflow::NodeKind kind);
   static double unevenness(const std::vector<Sample>& samples, double exponent);
 
+  std::size_t size_counter_;
   std::vector<double> sizes_;
   std::map<std::pair<dataflow::NodeIndex, std::uint64_t>, Samples> samples_;  ///< node, round
   std::vector<double> exponents_;

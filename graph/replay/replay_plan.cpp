@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <random>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
 
+#include "engine/base/text.h"
 #include "graph/replay/duration_model.h"
 
 namespace weft::graph::replay {
@@ -26,8 +26,15 @@ namespace {
 /// Of an instance's values to one neighbour in `kCrossing` goes to the next copy.
 constexpr std::uint32_t kCrossing = 8;
 
-TimePoint scaled(TimePoint time, double factor) {
-  return static_cast<TimePoint>(static_cast<double>(time) * factor);
+TimePoint scaled(TimePoint time, double factor) { return within_limits(static_cast<double>(time) * factor); }
+
+/// Whatever is computed with them later fits.
+void check_times(const GraphDump& dump) {
+  for (const DumpedRun& run : dump.runs)
+    if (static_cast<double>(run.end) > 1e9 * kMostSeconds)
+      throw std::invalid_argument(
+          "has a task that ends " + engine::text(1e-9 * static_cast<double>(run.end)) +
+          " s after the first one began: more than " + engine::text(kMostSeconds) + " s cannot be replayed");
 }
 
 /// Whether each run follows locally, within the handler, from the run before it in its instance.
@@ -74,6 +81,9 @@ class Planner {
       place_of_[r] = handler.runs.size();
       handler.runs.push_back({r, scaled(run.end - run.begin, slowdown_), {}});
       plan_.work += handler.runs.back().works;
+      if (static_cast<double>(plan_.work) > 1e9 * kMostSeconds)
+        throw std::invalid_argument("has tasks that take more than " + engine::text(kMostSeconds) +
+                                    " s together, as slow or large as is asked for: too much to replay");
     }
   }
 
@@ -136,6 +146,7 @@ class Planner {
 
 ReplayPlan plan_of(const GraphDump& dump, double slowdown) {
   if (!dump.executed()) throw std::invalid_argument("contains a planned graph: there is nothing to replay");
+  check_times(dump);
   return Planner(dump, slowdown).plan();
 }
 
@@ -159,12 +170,17 @@ void take_processor_times(GraphDump& dump) {
   if (name == dump.counter_names.end())
     throw std::invalid_argument("contains no processor times: it was recorded by an older version");
   const auto place = static_cast<std::size_t>(name - dump.counter_names.begin());
+  check_times(dump);
   SecondsCounters counters(dump.counter_names);
   counters.leave_out(place);  // it is what the others become parts of
   std::vector<double> factors(dump.runs.size(), 1);
   for (RunIndex r = 0; r < dump.runs.size(); ++r) {
     DumpedRun& run = dump.runs[r];
     const double seconds = place < run.counters.size() ? run.counters[place] : 0;
+    if (!(seconds >= 0 && seconds <= kMostSeconds))
+      throw std::invalid_argument("runs.counters[\"" + *name + "\"][" + std::to_string(r) + "] is " +
+                                  engine::text(seconds) + ": it is not between 0 and " +
+                                  engine::text(kMostSeconds));
     const auto took = static_cast<TimePoint>(1e9 * seconds);
     factors[r] = ratio_of(took, run.end - run.begin);
     counters.scale(run, factors[r]);
@@ -200,6 +216,8 @@ class Enlarger {
     std::stable_sort(large_.uses.begin(), large_.uses.end(), [](const DumpedUse& a, const DumpedUse& b) {
       return std::tie(a.to, a.time) < std::tie(b.to, b.time);
     });
+    large_.network = dataflow::network_of(large_);
+    if (growth() != 1) forget_counts();
     return std::move(large_);
   }
 
@@ -228,12 +246,29 @@ class Enlarger {
   void resize(DumpedRun& run, const Drawn& instance) {
     const TimePoint takes = durations_.draw(run.node, run.round, instance, random_);
     counters_.scale(run, ratio_of(takes, run.end - run.begin));
+    const std::size_t size = durations_.size_counter();
+    if (size < run.counters.size() && run.counters[size] > 0) run.counters[size] = instance.size;
     run.end = run.begin + takes;
     run.bytes_received = on_surface(run.bytes_received);
   }
 
+  /// Those of subdomains of another size would have been others.
+  void forget_counts() {
+    std::vector<std::size_t> kept;
+    for (std::size_t i = 0; i < dump_.counter_names.size(); ++i)
+      if (i == durations_.size_counter() || counters_.has(i)) kept.push_back(i);
+    std::vector<std::string> names;
+    for (const std::size_t i : kept) names.push_back(dump_.counter_names[i]);
+    for (DumpedRun& run : large_.runs) {
+      std::vector<double> counters;
+      for (const std::size_t i : kept) counters.push_back(i < run.counters.size() ? run.counters[i] : 0);
+      run.counters = std::move(counters);
+    }
+    large_.counter_names = std::move(names);
+  }
+
   std::uint64_t on_surface(std::uint64_t bytes) const {
-    return static_cast<std::uint64_t>(static_cast<double>(bytes) * surface_);
+    return static_cast<std::uint64_t>(within_limits(static_cast<double>(bytes) * surface_));
   }
 
   void add_uses(std::uint32_t copy) {
@@ -271,8 +306,12 @@ class Enlarger {
 GraphDump enlarged(const GraphDump& dump, const Enlargement& enlargement) {
   const double copies = static_cast<double>(enlargement.copies) * enlargement.split;
   const auto most = static_cast<double>(std::max({dump.instances.size(), dump.runs.size(), std::size_t{1}}));
-  if (copies < 1 || !(enlargement.grow > 0) || copies * most > std::numeric_limits<std::uint32_t>::max())
-    throw std::invalid_argument("the graph cannot be made so large");
+  if (copies < 1 || !(enlargement.grow > 0)) throw std::invalid_argument("there is no graph of no size");
+  if (copies * most > kMostRuns)
+    throw std::invalid_argument("has " + std::to_string(dump.runs.size()) +
+                                " tasks: " + engine::text(copies) + " times as many are more than " +
+                                engine::text(kMostRuns));
+  check_times(dump);
   return Enlarger(dump, enlargement).enlarge();
 }
 

@@ -2,6 +2,7 @@
 // it works and what it sends when.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,6 +14,10 @@
 #include "graph/dataflow/dump/graph_dump.h"
 
 namespace weft::graph::replay {
+
+/// Virtual seconds that can be simulated: of one task's end in the recording, and of all tasks of a replay
+/// together. Ranks that wait send each other a sign of life every second.
+inline constexpr double kMostSeconds = 1e7;
 
 /// Index in ReplayPlan::handlers.
 using HandlerIndex = std::uint32_t;
@@ -47,7 +52,7 @@ struct ReplayPlan {
 };
 
 /// `slowdown`: every run takes so many times as long. Throws std::invalid_argument for a graph that was not
-/// executed.
+/// executed, and for one whose runs take more than kMostSeconds.
 ReplayPlan plan_of(const dataflow::GraphDump& dump, double slowdown = 1);
 
 /// Of counters like "quality check, seconds", which count a part of their run's time: a run that is given
@@ -57,6 +62,9 @@ class SecondsCounters {
   explicit SecondsCounters(const std::vector<std::string>& names);
   void leave_out(std::size_t place) { std::erase(places_, place); }
   void scale(dataflow::DumpedRun& run, double factor) const;
+  bool has(std::size_t place) const {
+    return std::find(places_.begin(), places_.end(), place) != places_.end();
+  }
 
  private:
   std::vector<std::size_t> places_;  ///< in GraphDump::counter_names
@@ -67,8 +75,11 @@ double ratio_of(engine::TimePoint is, engine::TimePoint was);
 
 /// Makes the runs as long as the processor time that was counted in each (dataflow::kProcessorSeconds), for
 /// recordings on a machine that others used; sound where a rank had one thread. Throws std::invalid_argument
-/// for a graph without.
+/// for a graph without, or where they are no times.
 void take_processor_times(dataflow::GraphDump& dump);
+
+/// Of an enlarged graph, which takes up to a kilobyte for each.
+inline constexpr double kMostRuns = 1e7;
 
 struct Enlargement {
   std::uint32_t copies = 1;  ///< so many times the mesh, in subdomains of the same size
@@ -81,7 +92,9 @@ struct Enlargement {
 /// the first copy is the recording itself. The others have sizes drawn from the recorded ones, times
 /// `grow / split`, and their runs take what DurationModel draws for that; values have the bytes of a surface.
 /// Each instance of a copy sends every `kCrossing`-th value to its twin in the next copy and waits for as
-/// many from that of the one before, so copies wait for each other as parts of one mesh do.
+/// many from that of the one before, so copies wait for each other as parts of one mesh do. Where sizes
+/// change, only sizes and seconds are left of what was counted: nothing is known of the rest. Throws
+/// std::invalid_argument for sizes that are none, and for more than kMostRuns runs.
 dataflow::GraphDump enlarged(const dataflow::GraphDump& dump, const Enlargement& enlargement);
 
 }  // namespace weft::graph::replay

@@ -92,7 +92,10 @@ TEST(Replay, What_tasks_have_counted_in_seconds_goes_with_their_time) {
   EXPECT_NEAR(processor.runs[1].counters[kProcessor], 1e-3, 1e-9);
 
   const GraphDump large = enlarged(counted(), {.grow = 8});
-  EXPECT_NEAR(large.runs[1].counters[kChecking], 0.75 * seconds_of(large.runs[1]), 1e-9);
+  ASSERT_THAT(large.counter_names,
+              ::testing::ElementsAre("quality check, seconds", dataflow::kProcessorSeconds))
+      << "how many tets a larger one would have counted is not known";
+  EXPECT_NEAR(large.runs[1].counters[0], 0.75 * seconds_of(large.runs[1]), 1e-9);
   EXPECT_EQ(large.runs[1].bytes_received, large.uses[0].bytes);
 }
 
@@ -251,6 +254,48 @@ TEST(Replay, Processor_times_take_the_place_of_wall_times) {
   EXPECT_NEAR(replay(processor, {}).work / replay(dump, {}).work, 0.5, 0.001);
   GraphDump none = chain();
   EXPECT_THROW(take_processor_times(none), std::invalid_argument);
+}
+
+TEST(Replay, Times_that_are_none_are_refused) {
+  for (const double seconds : {-1.0, 1e300, 2 * kMostSeconds}) {
+    GraphDump dump = counted();
+    dump.runs[1].counters[kProcessor] = seconds;
+    EXPECT_THROW(take_processor_times(dump), std::invalid_argument) << seconds;
+  }
+  for (const double size : {-1.0, 1e300}) {
+    GraphDump dump = recorded(9);
+    const auto name = std::find(dump.counter_names.begin(), dump.counter_names.end(), kSizeCounter);
+    dump.runs[0].counters.assign(dump.counter_names.size(), 0);
+    dump.runs[0].counters[static_cast<std::size_t>(name - dump.counter_names.begin())] = size;
+    EXPECT_THROW(enlarged(dump, {.split = 2}), std::invalid_argument) << size;
+  }
+  GraphDump dump = chain();
+  dump.runs[1].end = 9'000'000'000'000'000'000;
+  EXPECT_THROW(replay(dump, {}), std::invalid_argument);
+  EXPECT_THROW(enlarged(dump, {.grow = 2}), std::invalid_argument);
+  EXPECT_THROW(replay(chain(), {.slowdown = 1e12}), std::invalid_argument) << "3e9 s";
+  EXPECT_THROW(replay(enlarged(chain(), {.grow = 1e12}), {}), std::invalid_argument);
+  EXPECT_THROW(enlarged(chain(), {.copies = 100'000'000}), std::invalid_argument);
+}
+
+TEST(Replay, An_enlarged_graph_has_the_network_of_its_values_and_the_counts_that_are_known) {
+  const GraphDump dump = recorded(12);
+  const GraphDump copied = enlarged(dump, {.copies = 3}), grown = enlarged(dump, {.grow = 3});
+  const auto values = [](const GraphDump& graph) {
+    return std::accumulate(graph.network.begin(), graph.network.end(), std::uint64_t{0},
+                           [](std::uint64_t sum, const auto& link) { return sum + link.values; });
+  };
+  EXPECT_GT(values(dump), 0u);
+  EXPECT_EQ(values(copied), 3 * values(dump));
+  EXPECT_EQ(values(grown), values(dump));
+  EXPECT_EQ(copied.counter_names, dump.counter_names);
+  EXPECT_THAT(grown.counter_names,
+              ::testing::IsSupersetOf({std::string(kSizeCounter), std::string(dataflow::kProcessorSeconds)}));
+  EXPECT_THAT(grown.counter_names, ::testing::Each(::testing::AnyOf(::testing::EndsWith(", seconds"),
+                                                                    ::testing::Eq(kSizeCounter))));
+  const std::vector<double> was = DurationModel(dump).sizes(), is = DurationModel(grown).sizes();
+  EXPECT_NEAR(*std::max_element(is.begin(), is.end()) / *std::max_element(was.begin(), was.end()), 3, 1.5);
+  for (const auto& run : grown.runs) EXPECT_LE(run.counters.size(), grown.counter_names.size());
 }
 
 /// The first instance sends to the event of the second, whose wake node then asks the third for the second
