@@ -1,7 +1,8 @@
-// Files that are read are not to be replaced.
+// Files that are read are not to be replaced, nor files that one command writes by each other.
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -32,6 +33,30 @@ inline void keep_inputs(const std::string& output, const std::string& name,
   for (const std::string& file : inputs)
     if (same_file(output, file) || is_piece_of(output, file) || is_piece_of(file, output))
       throw OptionError(option, name + " would replace the input " + file);
+}
+
+/// Where a file is or would be; a link leads to what it names.
+inline std::filesystem::path place_of(const std::string& file) {
+  std::error_code error;
+  const std::filesystem::path whole =
+      std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
+  return error ? std::filesystem::path(file) : whole;
+}
+
+/// A file that a command writes, and the option that asks for it.
+struct OutputFile {
+  std::string option, path;
+};
+
+/// Throws OptionError where two of them are one file. None need exist; empty ones are not written.
+inline void keep_apart(const std::vector<OutputFile>& outputs) {
+  std::map<std::string, std::string> option_of;
+  for (const OutputFile& output : outputs) {
+    if (output.path.empty()) continue;
+    const auto [other, is_new] = option_of.emplace(place_of(output.path).string(), output.option);
+    if (!is_new)
+      throw OptionError(output.option, output.path + " would be written by " + other->second + ", too");
+  }
 }
 
 /// The same of a conversion, which may replace the mesh itself: it is read before it is written.

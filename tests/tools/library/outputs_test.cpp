@@ -11,6 +11,7 @@
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/mesh/structured_box.h"
+#include "tools/common/inputs.h"
 
 namespace weft::tools::outputs_test {
 namespace {
@@ -69,6 +70,22 @@ TEST_F(Outputs, ErrorsNameTheFileThatTheUserKnows) {
   } catch (const InputError& error) {
     EXPECT_EQ(std::string(error.what()).rfind(path("missing/a.meshb") + ": ", 0), 0u) << error.what();
   }
+}
+
+TEST_F(Outputs, TwoThatAreOneFileAreRefused) {
+  const std::string again = (folder_ / "." / "a.json").string();
+  try {
+    keep_apart({{"--trace", path("a.json")}, {"--graph", path("b.json")}, {"--account", again}});
+    FAIL();
+  } catch (const OptionError& error) {
+    EXPECT_EQ(error.option(), "--account");
+    EXPECT_EQ(error.reason(), again + " would be written by --trace, too");
+  }
+  EXPECT_NO_THROW(
+      keep_apart({{"--trace", path("a.json")}, {"--graph", path("b.json")}, {"-o", ""}, {"-p", ""}}));
+  std::ofstream(path("a.json")) << "{}";
+  std::filesystem::create_symlink("a.json", path("link.json"));
+  EXPECT_THROW(keep_apart({{"--trace", path("a.json")}, {"--graph", path("link.json")}}), OptionError);
 }
 
 TEST_F(Outputs, AMissingFolderIsNotWritable) {

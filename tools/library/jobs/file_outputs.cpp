@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "tools/common/inputs.h"
 #include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/sources/metric_source.h"
 #include "tools/library/report/run_record.h"
@@ -22,7 +23,30 @@ RunResult begin_run(const Files& files, const Options& options) {
   return run;
 }
 
+namespace {
+
+/// Where --graph names the graph.json of the report, both are the same graph.
+std::vector<OutputFile> outputs_of(const Files& files, const OutputPaths& outputs) {
+  std::vector<OutputFile> all = {{"--out", outputs.mesh}};
+  const bool beside = outputs.solution != outputs.mesh;
+  if (beside) all.push_back({"--out", outputs.solution});
+  if (beside && !files.fields.empty()) all.push_back({"--out", outputs.fields});
+  if (!files.report.empty())
+    for (const char* name : {"report.json", "profile.json", "report.html", "graph.json"})
+      all.push_back({"--report", (fs::path(files.report) / name).string()});
+  const std::string recorded = files.report.empty() ? "" : all.back().path;
+  if (!files.graph.empty()) {
+    if (place_of(files.graph) != place_of(recorded)) all.push_back({"--graph", files.graph});
+    all.push_back({"--graph", planned_path(files.graph)});
+  }
+  all.push_back({"--trace", files.trace});
+  return all;
+}
+
+}  // namespace
+
 void check_outputs(const Files& files, const Options& options, const OutputPaths& outputs) {
+  keep_apart(outputs_of(files, outputs));
   std::vector<std::string> inputs = files_of(options.metric);
   inputs.insert(inputs.end(), files.fields.begin(), files.fields.end());
   inputs.insert(inputs.end(), {files.input, files.background, options.geometry.model});

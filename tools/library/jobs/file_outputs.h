@@ -14,7 +14,8 @@ namespace weft::tools {
 RunResult begin_run(const Files& files, const Options& options);
 
 /// Hours of work must not end with "no such folder". Makes the folder of the report. Throws InputError, and
-/// OptionError where the result would replace an input other than the mesh, or a trace any.
+/// OptionError where the result would replace an input other than the mesh, or a trace any, and where two
+/// outputs are one file.
 void check_outputs(const Files& files, const Options& options, const OutputPaths& outputs);
 
 FilesResult files_result(const RunResult& run, const std::string& report_error, bool first = true);
