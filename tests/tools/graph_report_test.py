@@ -172,6 +172,9 @@ class Replays(SampleTest):
         self.weft("replay", "graph.json", "--report", name, *words)
         return json.loads((self.folder / name / "replay.json").read_text())
 
+    def profile(self, name):
+        return json.loads((self.folder / name / "profile.json").read_text())
+
     def account(self, *words):
         self.weft("replay", "graph.json", "--account", "account.json", *words)
         return json.loads((self.folder / "account.json").read_text())
@@ -186,6 +189,100 @@ class Replays(SampleTest):
         self.assertTrue(six["engine"]["consistent"]["pairs"])
         self.assertEqual([rank["rank"] for rank in six["engine"]["per_rank"]], list(range(6)))
         self.assertFalse(any(rank["peers"] for rank in six["engine"]["per_rank"]), "as many as pairs of ranks")
+
+    def test_its_account_obeys_its_schema(self):
+        self.sample()
+        account, rules = self.replay("on-3", "--ranks", 3), schema("graph/replay/weft-replay-1.schema.json")
+        jsonschema.validate(account, rules)
+        for key in account:
+            broken = dict(account)
+            del broken[key]
+            with self.assertRaises(jsonschema.ValidationError, msg=key):
+                jsonschema.validate(broken, rules)
+
+    def test_profile_and_page_are_of_the_simulated_run(self):
+        """Whatever lies beside the recording; the numbers of its mesh are not those of a machine that made none."""
+        recording = self.sample(subdomains=24, rounds=4)
+        account = self.replay("on-64", "--ranks", 64, "--copies", 2)
+        profile = self.profile("on-64")
+        jsonschema.validate(profile, schema("tools/report/weft-profile-1.schema.json"))
+        simulation = profile["simulation"]
+        self.assertEqual(simulation, {key: value for key, value in account.items() if key not in ("schema", "memory_by_rank", "engine")})
+        self.assertEqual((simulation["ranks"], simulation["subdomains"], len(profile["graph"]["instances"])), (64, 48, 48))
+        self.assertEqual((profile["report"], profile["mesh"], profile["memory"], profile["hardware"]), (None, None, [], []))
+        self.assertAlmostEqual(profile["critical_path"]["wall"], simulation["seconds"])
+        self.assertAlmostEqual(profile["total"]["wall"], simulation["run_seconds"])
+        self.assertEqual([rank["peak_memory"] for rank in profile["ranks"]], account["memory_by_rank"])
+        self.assertNotEqual(simulation["seconds"], recording["report"]["seconds"]["adapt"])
+        (self.folder / "profile.json").unlink()
+        self.replay("without", "--ranks", 64, "--copies", 2, "--subdomain-bytes", simulation["subdomain_bytes"])
+        self.assertEqual(self.profile("without")["total"], profile["total"])
+        self.assertTrue((self.folder / "without/report.html").exists())
+
+    def test_simulated_times_are_compared(self):
+        self.sample("a", subdomains=24, rounds=4)
+        seconds = {}
+        for ranks in (2, 24):
+            self.weft("replay", "a/graph.json", "--ranks", ranks, "--report", f"on-{ranks}")
+            seconds[ranks] = json.loads((self.folder / f"on-{ranks}/replay.json").read_text())["seconds"]
+        self.weft("report", "on-2/profile.json", "on-24/profile.json", "-o", "compared.html")
+        text = self.weft("report", "on-2/profile.json", "on-24/profile.json").stdout
+        self.assertIn(f"B is {100 * (1 - seconds[24] / seconds[2]):.0f} % faster than A", text.splitlines()[0])
+        self.assertIn("Both runs are simulated", text)
+        self.assertIn("24 ranks, 24 workers, 24 subdomains, simulated: a replay of a/graph.json", text)
+        mixed = self.weft("report", "a/profile.json", "on-2/profile.json").stdout
+        self.assertIn("B is simulated", mixed)
+        self.box(3)
+        self.weft("adapt", "box.meshb", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--report", "one", "--quiet", expect=(0, 1))
+        self.assert_fails("report", "one/report.json", "on-2/profile.json", says="one/report.json has no task graph")
+
+    def test_a_subdomain_has_the_memory_that_the_recording_shows(self):
+        """Whether or not anything moved in it: the processes' most, without what they began with."""
+        profile = self.sample()
+        words = ("--ranks", 3)
+        grown = sum(max(rank["bytes"]) - rank["bytes"][0] for rank in profile["memory"])
+        for moved in (0, 5):
+            profile["engine"]["traffic"]["migrate"]["sent"] = {"messages": moved, "bytes": 1000 * moved}
+            profile["engine"]["peak_rss"]["sum"] = sum(rank["bytes"][0] for rank in profile["memory"]) + 9 * 5000
+            self.write("profile.json", json.dumps(profile))
+            account = self.account(*words)
+            self.assertEqual((account["subdomain_bytes"], account["subdomain_bytes_from"]), (5000, "recorded"))
+        self.assertGreater(grown, 0)
+        self.assertEqual(self.account(*words, "--split", 5)["subdomain_bytes"], 1000)
+        self.assertEqual(max(self.account(*words)["memory_by_rank"]) % 5000, 0)
+        self.weft("replay", "profile.json", "--report", "again")
+        again = self.weft("replay", "again/graph.json", *words)
+        self.assertIn("of the recording's memory", again.stdout)
+        self.assertIn("as given", self.weft("replay", "graph.json", "--subdomain-bytes", 7).stdout)
+        (self.folder / "profile.json").unlink()
+        account = self.account(*words)
+        self.assertEqual((account["subdomain_bytes"], account["subdomain_bytes_from"]), (1 << 20, "assumed"))
+        self.assertIn("assumed", self.weft("replay", "graph.json").stdout)
+
+    def test_an_enlarged_graph_has_the_network_of_its_messages(self):
+        self.sample()
+        links = {}
+        for copies in (1, 3):
+            self.replay(f"times-{copies}", "--copies", copies)
+            graph = json.loads((self.folder / f"times-{copies}/graph.json").read_text())
+            remote = [i for i, edge in enumerate(graph["graph"]["edges"]) if edge["kind"] == "remote"]
+            self.assertEqual(sum(graph["network"]["values"]), sum(edge in remote for edge in graph["uses"]["edge"]))
+            links[copies] = len(graph["network"]["from"])
+        self.assertGreaterEqual(links[3], 3 * links[1])
+
+    def test_what_is_damaged_is_named(self):
+        graph = self.sample()["graph"]
+        counters = graph["runs"]["counters"]
+        self.assertIn("processor, seconds", counters)
+        for name, column, value, words, says in (
+                ("processor", counters["processor, seconds"], -1, ["--processor-times"], "processor, seconds"),
+                ("processor", counters["processor, seconds"], 1e300, ["--processor-times"], "1e+300"),
+                ("sizes", counters["tets predicted"], 1e300, ["--split", 2], "tets predicted"),
+                ("duration", graph["runs"]["duration_ns"], 9 * 10**18, [], "9e+09 s")):
+            before, column[2] = column[2], value
+            self.write(f"{name}.json", json.dumps(graph))
+            column[2] = before
+            self.assert_fails("replay", f"{name}.json", "--ranks", 3, *words, says=[f"{name}.json", says])
 
     def test_larger_and_finer_ones_are_made_of_the_recorded(self):
         self.sample(subdomains=24, rounds=4)
@@ -230,9 +327,20 @@ class Replays(SampleTest):
         self.sample()
         for words, says in ((["--network", "2us"], "--network"), (["--balancer", "luck"], "--balancer"), (["--ranks", 0], "--ranks"),
                             (["--slowdown", 0], "--slowdown"), (["--copies", 0], "--copies"), (["--split", 0], "--split"),
-                            (["--grow", 0], "--grow")):
+                            (["--grow", 0], "--grow"), (["--slowdown", 1e30], "--slowdown"), (["--grow", 1e12], "--grow"),
+                            (["--subdomain-bytes", -1], "--subdomain-bytes"), (["--network", "1e9s,1B/s"], "--network"),
+                            (["--network", "2us,1GB/s,fat-tree:2000000000"], "--network"),
+                            (["--copies", 2000000000], "times as many")):
             done = self.weft("replay", "graph.json", *words, expect=(2, 64))
             self.assertIn(says, done.stderr)
+
+    def test_its_outputs_do_not_replace_each_other(self):
+        self.sample()
+        before = sorted(self.folder.iterdir())
+        for words, says in ((["--report", "R", "--trace", "R/graph.json"], "--trace: R/graph.json would be written by --report, too"),
+                            (["--trace", "x.json", "--account", "./x.json"], "--account: ./x.json would be written by --trace, too")):
+            self.assert_fails("replay", "graph.json", *words, says=says, code=64)
+            self.assertEqual(sorted(self.folder.iterdir()), before)
 
     def test_its_recording_is_not_replaced(self):
         self.sample("run")
@@ -277,7 +385,7 @@ class Reports(SampleTest):
     def test_profiles_of_older_versions_are_read(self):
         """What was added to the document later may be missing; the rest must be there."""
         profile = self.sample()
-        for added in ("left", "published_curves"):
+        for added in ("left", "published_curves", "simulation"):
             del profile[added]
         self.write("older.json", json.dumps(profile))
         self.weft("report", "older.json", "-o", "older.html")
@@ -455,6 +563,10 @@ class Runs(SampleTest):
         words = ["adapt", "box.meshb", "--metric-fn", "uniform:0.5", "-o", "out.meshb"]
         self.assert_fails(*words, "--graph", "g.json", says=["--graph", "--subdomains"], code=64)
         self.assert_fails(*words, "--trace", "t.json", says=["--trace", "--subdomains"], code=64)
+        for outputs, says in ((["--report", "r", "--trace", "r/profile.json"], "--trace: r/profile.json would be written by --report, too"),
+                              (["--graph", "x.json", "--trace", "./x.json"], "--trace: ./x.json would be written by --graph, too"),
+                              (["--report", "r", "--trace", "r/graph.json", "--graph", "r/graph.json"], "--trace: r/graph.json would be written by --report, too")):
+            self.assert_fails(*words, "--subdomains", 2, *outputs, says=says, code=64)
         self.assert_fails(*words, "--subdomains", 2, "--graph", "g.png", says="g.png", code=64)
         self.assert_fails(*words, "--case", "cube-polar2-50000", says="--report", code=64)
         self.assert_fails(*words, "--report", "r", "--case", "my case", says="my case", code=64)

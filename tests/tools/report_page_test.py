@@ -192,6 +192,41 @@ class Views(PageTest):
         self.assertIn(": 0", self.figure("collective_calls"))
 
 
+
+class Replayed(PageTest):
+    """The page of a replay is of the simulated run, and of no mesh."""
+
+    def setUp(self):
+        super().setUp()
+        self.folder = self.sample.path / "on-64"
+        if not self.folder.exists():
+            words = ["replay", self.sample.path / "graph.json", "--ranks", "64", "--copies", "2", "--report", self.folder, "--quiet"]
+            subprocess.run([WEFT, *words], check=True, timeout=120)
+        self.simulation = json.loads((self.folder / "profile.json").read_text())["simulation"]
+        self.browser.requests.clear()
+        self.browser.open(self.folder / "report.html")
+
+    def test_it_is_marked_as_simulated(self):
+        verdict = self.browser.run("document.querySelector('.verdict').textContent")
+        self.assertIn("Simulated, not measured: ", verdict)
+        self.assertIn(" on 64 ranks of 1 thread", verdict)
+        self.assertIn("with 2 times the mesh", verdict)
+        self.assertIn("simulated on 64 ranks", self.browser.run("document.getElementById('what').textContent"))
+
+    def test_its_figures_are_those_of_the_simulation(self):
+        self.assert_shows("simulation.seconds", self.simulation["seconds"])
+        self.assert_shows("simulation.efficiency", self.simulation["efficiency"], digits=2)
+        self.assertEqual(number(self.figure("simulation.subdomains")), 48)
+        self.assert_shows("simulation.memory", self.simulation["subdomain_bytes"] * self.simulation["most_subdomains"])
+
+    def test_views_without_a_mesh_are_not_empty(self):
+        self.assertEqual(self.tabs(), ["summary", "time", "timeline", "communication", "convergence", "graph", "details"])
+        for view in self.tabs():
+            self.show(view)
+            self.assertGreater(self.browser.run(f"document.getElementById('view-{view}').getBoundingClientRect().height"), 150)
+            self.assertNotRegex(self.browser.run(f"document.getElementById('view-{view}').innerText"), "undefined|NaN|null")
+
+
 class Timeline(PageTest):
     def setUp(self):
         super().setUp()

@@ -28,6 +28,18 @@ struct Document {
     static const Json none;
     return is_profile() ? json.at("total") : none;
   }
+  /// What a replay says of itself; null: the run was real.
+  const Json& simulation() const {
+    static const Json none;
+    return is_profile() && json.contains("simulation") ? json.at("simulation") : none;
+  }
+  bool is_simulated() const { return !simulation().is_null(); }
+  /// From the first task's begin to the last one's end: what a replay knows the time of. Empty where no graph
+  /// was recorded.
+  std::optional<double> loop_seconds() const {
+    if (!is_profile() || !json.contains("critical_path") || json.at("critical_path").is_null()) return {};
+    return json.at("critical_path").at("wall").get<double>();
+  }
 };
 
 std::string lacks(const std::string& name, const std::string& member) {
@@ -48,9 +60,10 @@ std::string plural(std::uint64_t n, const char* word) {
   return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s");
 }
 
-ComparedRun about(const Document& run) {
+ComparedRun about(const Document& run, bool of_loops) {
   const Json& report = run.report();
-  ComparedRun result{run.name, "", report.at("seconds").at("adapt").get<double>()};
+  ComparedRun result{run.name, "",
+                     of_loops ? *run.loop_seconds() : report.at("seconds").at("adapt").get<double>()};
   if (!run.total().is_null()) {
     result.about = plural(run.json.at("ranks").size(), "rank") + ", " +
                    plural(run.total().at("workers").get<std::uint64_t>(), "worker");
@@ -59,6 +72,9 @@ ComparedRun about(const Document& run) {
   }
   if (report.contains("subdomains") && report.at("subdomains").is_object())
     result.about += ", " + plural(report.at("subdomains").at("subdomains").get<std::uint64_t>(), "subdomain");
+  if (run.is_simulated())
+    result.about += ", " + plural(run.simulation().at("subdomains").get<std::uint64_t>(), "subdomain") +
+                    ", simulated: a replay of " + run.simulation().at("graph").get<std::string>();
   return result;
 }
 
@@ -123,6 +139,14 @@ std::vector<ComparedMeasure> measures_of(const Json& a, const Json& b) {
 
 std::vector<std::string> remarks_on(const Document& a, const Document& b) {
   std::vector<std::string> remarks;
+  if (a.is_simulated() || b.is_simulated()) {
+    remarks.push_back(
+        std::string(a.is_simulated() && b.is_simulated() ? "Both runs are"
+                    : a.is_simulated()                   ? "A is"
+                                                         : "B is") +
+        " simulated. Times are those of the adaptation's loop, from the first task to the last.");
+    return remarks;
+  }
   const auto tets = [](const Document& d) { return d.report().at("output").at("tets").get<double>(); };
   if (std::abs(tets(b) - tets(a)) > kNoise * std::max(tets(a), tets(b)))
     remarks.push_back(
@@ -208,15 +232,21 @@ std::string Comparison::verdict() const {
 Comparison compare(const std::string& name_a, const Json& a, const std::string& name_b, const Json& b) {
   const Document first = document(name_a, a), second = document(name_b, b);
   Comparison result;
-  result.a = about(first);
-  result.b = about(second);
+  const bool simulated = first.is_simulated() || second.is_simulated();
+  if (simulated)
+    for (const Document* run : {&first, &second})
+      if (!run->loop_seconds())
+        throw std::invalid_argument(run->name +
+                                    " has no task graph: only such runs compare with a simulated one");
+  result.a = about(first, simulated);
+  result.b = about(second, simulated);
   if (!first.total().is_null() && !second.total().is_null()) {
     result.operations = by_name(first.total().at("seconds"), second.total().at("seconds"));
     result.ranks = by_rank(a.at("ranks"), b.at("ranks"));
     if (a.at("ranks").size() != b.at("ranks").size())
       result.remarks.push_back("The runs had different numbers of ranks.");
   }
-  result.steps = by_name(first.report().at("seconds"), second.report().at("seconds"));
+  if (!simulated) result.steps = by_name(first.report().at("seconds"), second.report().at("seconds"));
   result.measures = measures_of(first.report(), second.report());
   const std::vector<std::string> remarks = remarks_on(first, second);
   result.remarks.insert(result.remarks.end(), remarks.begin(), remarks.end());
@@ -230,7 +260,7 @@ std::string comparison_text(const Comparison& comparison) {
                       comparison.b.name, comparison.b.about);
   text += seconds_table("by operation", comparison.operations) + seconds_table("by step", comparison.steps) +
           seconds_table("by rank, without idle", comparison.ranks);
-  text += fmt::format("\n{:<32}{:>14}{:>14}\n", "mesh", "A", "B");
+  if (!comparison.measures.empty()) text += fmt::format("\n{:<32}{:>14}{:>14}\n", "mesh", "A", "B");
   for (const ComparedMeasure& measure : comparison.measures) {
     text += fmt::format("  {:<30}{:>14}{:>14}  {}\n", measure.name, measure_text(measure, measure.a),
                         measure_text(measure, measure.b), judgement(measure));

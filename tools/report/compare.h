@@ -26,14 +26,14 @@ struct ComparedMeasure {
 struct ComparedRun {
   std::string name;    ///< what the user calls it: its file
   std::string about;   ///< "4 ranks, 8 workers, 128 subdomains"
-  double seconds = 0;  ///< of the adaptation
+  double seconds = 0;  ///< of the adaptation; of its loop alone where one of both was simulated
 };
 
 struct Comparison {
   ComparedRun a, b;
   std::vector<ComparedSeconds> operations;  ///< of all workers; empty where a run has no profile
   std::vector<ComparedSeconds> ranks;       ///< of the ranks that both have, their workers' time but for idle
-  std::vector<ComparedSeconds> steps;       ///< of the command
+  std::vector<ComparedSeconds> steps;       ///< of the command; empty where one was simulated
   std::vector<ComparedMeasure> measures;
   std::vector<std::string> remarks;  ///< what makes the runs hard to compare
 

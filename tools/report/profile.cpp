@@ -346,6 +346,7 @@ Json published_curves_json(const std::string& case_name) {
 Json profile_json(const ProfileInput& input, const ProfileOptions& options) {
   Json json = {{"schema", "weft-profile-1"},
                {"case", input.case_name.empty() ? Json() : Json(input.case_name)},
+               {"simulation", input.simulation != nullptr ? *input.simulation : Json()},
                {"report", report_json(input.report)},
                {"operations", operations_json()},
                {"total", nullptr},

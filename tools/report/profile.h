@@ -35,11 +35,13 @@ struct ProfileOptions {
 
 /// What a profile is made from; what is empty or null was not recorded.
 struct ProfileInput {
-  const nlohmann::ordered_json& report;               ///< of schema "weft-report-1"
-  std::string case_name = {};                         ///< the user's; see published.h
-  const engine::RunSummary* engine = nullptr;         ///< of the adaptation
-  const graph::dataflow::GraphDump* graph = nullptr;  ///< executed
-  std::vector<engine::RankTimeline> timelines = {};   ///< of the ranks to show; none: all
+  const nlohmann::ordered_json&
+      report;  ///< of schema "weft-report-1"; null: of a simulated run, which made no mesh
+  const nlohmann::ordered_json* simulation = nullptr;  ///< of a replay: what it says of itself
+  std::string case_name = {};                          ///< the user's; see published.h
+  const engine::RunSummary* engine = nullptr;          ///< of the adaptation
+  const graph::dataflow::GraphDump* graph = nullptr;   ///< executed
+  std::vector<engine::RankTimeline> timelines = {};    ///< of the ranks to show; none: all
   engine::TimePoint start = 0;  ///< what the graph's times count from, on rank 0's clock
   std::vector<Hardware> hardware = {};
   std::vector<MemorySamples> memory = {};

@@ -43,6 +43,7 @@ std::string filled_in(std::string_view template_name, const std::string& data, c
 nlohmann::ordered_json completed(nlohmann::ordered_json profile) {
   for (const char* added : {"left", "published_curves"})
     if (!profile.contains(added)) profile[added] = nlohmann::ordered_json::array();
+  if (!profile.contains("simulation")) profile["simulation"] = nullptr;
   for (const char* member : {"case", "report", "operations", "total", "ranks", "engine", "messages",
                              "waiting", "critical_path", "convergence", "graph", "uses_left_out",
                              "operation_of_node", "timeline", "memory", "hardware", "published", "mesh"})

@@ -37,6 +37,7 @@ using graph::dataflow::GraphDump;
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kUsualBytes = 1 << 20;
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;
 
 template <class Call>
 auto naming_option(const char* option, const Call& call) {
@@ -53,16 +54,20 @@ void require_ranks(int ranks, const char* option) {
           fmt::format("{} is not between 1 and {}", ranks, kMostRanks));
 }
 
+void require_factor(double factor, const char* option) {
+  require(factor >= 1e-6 && factor <= 1e6, option, fmt::format("{} is not between 1e-6 and 1e6", factor));
+}
+
 graph::replay::ReplayOptions checked(const ReplayOptions& options) {
   require_ranks(options.ranks, "--ranks");
   require(options.threads >= 1 && options.threads <= 1024, "--threads",
           fmt::format("{} is not between 1 and 1024", options.threads));
-  require(options.slowdown > 0 && std::isfinite(options.slowdown), "--slowdown",
-          fmt::format("{} is not a positive number", options.slowdown));
+  require_factor(options.slowdown, "--slowdown");
   require(options.copies >= 1, "--copies", fmt::format("{} is not at least 1", options.copies));
   require(options.split >= 1, "--split", fmt::format("{} is not at least 1", options.split));
-  require(options.grow > 0 && std::isfinite(options.grow), "--grow",
-          fmt::format("{} is not a positive number", options.grow));
+  require_factor(options.grow, "--grow");
+  require(options.subdomain_bytes <= kMostBytes, "--subdomain-bytes",
+          fmt::format("{} is not between 0 and {}", options.subdomain_bytes, kMostBytes));
   graph::replay::ReplayOptions to;
   to.ranks = options.ranks;
   to.threads = options.threads;
@@ -73,42 +78,64 @@ graph::replay::ReplayOptions checked(const ReplayOptions& options) {
   return to;
 }
 
-fs::path report_beside(const std::string& graph) { return fs::path(graph).parent_path() / "report.json"; }
+fs::path beside(const std::string& graph, const char* name) { return fs::path(graph).parent_path() / name; }
 
-/// The files that a replay writes: none of those that it reads, and they can be written.
+/// The files that a replay writes: all different, none of the recording, and they can be written. Makes the
+/// folder of the report, in which others may be.
 void check_outputs(const std::string& graph, const ReplayOptions& options) {
-  const std::vector<std::string> inputs = {graph, report_beside(graph).string()};
-  for (const auto& [option, file] : {std::pair{"--trace", options.trace}, {"--account", options.account}}) {
-    if (file.empty()) continue;
-    tools::keep_inputs(file, "it", inputs, option);
-    tools::check_writable(file);
-  }
-  if (options.report.empty()) return;
-  for (const char* name : {"replay.json", "graph.json", "profile.json", "report.html"})
-    tools::keep_inputs((fs::path(options.report) / name).string(), std::string("its ") + name, inputs,
-                       "--report");
+  std::vector<tools::OutputFile> outputs;
+  if (!options.report.empty())
+    for (const char* name : {"replay.json", "graph.json", "profile.json", "report.html"})
+      outputs.push_back({"--report", (fs::path(options.report) / name).string()});
+  for (const auto& [option, file] : {std::pair{"--trace", options.trace}, {"--account", options.account}})
+    if (!file.empty()) outputs.push_back({option, file});
+  tools::keep_apart(outputs);
+  const std::vector<std::string> recording = {graph, beside(graph, "profile.json").string(),
+                                              beside(graph, "report.json").string()};
+  for (const tools::OutputFile& output : outputs)
+    tools::keep_inputs(output.path, output.path, recording, output.option);
+  if (!options.report.empty()) tools::make_folder(options.report);
+  for (const tools::OutputFile& output : outputs) tools::check_writable(output.path);
 }
 
-/// The report of the recorded run, where it lies beside its graph; null elsewhere.
-Json recorded_report(const std::string& graph) {
-  const fs::path path = report_beside(graph);
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) return {};
-  return tools::read_json(path.string());
-}
-
-/// Memory of the recorded processes, spread over the subdomains.
-std::uint64_t bytes_of_subdomain(const Json& report, std::size_t subdomains) {
+/// Of a recorded subdomain; empty where the profile does not tell.
+std::optional<double> recorded_bytes(const Json& profile, std::size_t subdomains) {
   try {
-    const Json& engine = report.at("subdomains").at("engine");
-    const Json& moved = engine.at("traffic").at("migrate").at("sent");
-    if (moved.at("messages").get<double>() > 0)
-      return static_cast<std::uint64_t>(moved.at("bytes").get<double>() / moved.at("messages").get<double>());
-    const double peak = engine.at("peak_rss").at("sum").get<double>();  // 0: unknown
-    return peak > 0 ? static_cast<std::uint64_t>(peak / static_cast<double>(subdomains)) : kUsualBytes;
+    if (profile.contains("simulation") && profile.at("simulation").is_object()) {
+      const Json& replayed = profile.at("simulation");
+      if (replayed.at("subdomain_bytes_from") == "assumed") return std::nullopt;
+      return replayed.at("subdomain_bytes").get<double>();
+    }
+    double bytes = profile.at("engine").at("peak_rss").at("sum").get<double>();  // 0: unknown
+    for (const Json& rank : profile.at("memory")) bytes -= rank.at("bytes").at(0).get<double>();
+    if (!(bytes > 0) || profile.at("memory").empty()) return std::nullopt;
+    return bytes / static_cast<double>(subdomains);
   } catch (const nlohmann::json::exception&) {
-    return kUsualBytes;
+    return std::nullopt;
   }
+}
+
+/// The profile beside the recorded graph; null where there is none.
+Json profile_beside(const std::string& graph) {
+  const fs::path path = beside(graph, "profile.json");
+  std::error_code ignored;
+  return fs::exists(path, ignored) ? tools::read_json(path.string()) : Json();
+}
+
+struct SubdomainBytes {
+  std::uint64_t bytes;
+  const char* from;
+};
+
+/// `profile`: that the graph was in; null: it may lie beside `path`.
+SubdomainBytes bytes_of_subdomain(const std::string& path, Json profile, std::size_t subdomains,
+                                  const ReplayOptions& options) {
+  if (options.subdomain_bytes > 0) return {options.subdomain_bytes, "given"};
+  if (profile.is_null()) profile = profile_beside(path);
+  const auto recorded = recorded_bytes(profile, subdomains);
+  const double bytes = recorded.value_or(kUsualBytes) * options.grow / options.split;
+  return {static_cast<std::uint64_t>(std::clamp(bytes, 1.0, static_cast<double>(kMostBytes))),
+          recorded ? "recorded" : "assumed"};
 }
 
 double seconds_of(engine::TimePoint time) { return 1e-9 * static_cast<double>(time); }
@@ -192,6 +219,7 @@ Json json_of(const ReplayResult& result, const std::string& path, engine::RunSum
           {"migrations", {{"messages", result.migrations}, {"bytes", result.migrated_bytes}}},
           {"most_subdomains", result.most_subdomains},
           {"subdomain_bytes", result.subdomain_bytes},
+          {"subdomain_bytes_from", result.subdomain_bytes_from},
           {"memory_by_rank", result.memory},
           {"simulation_seconds", result.simulation_seconds},
           {"engine", engine::json_of(engine)}};
@@ -217,13 +245,16 @@ void write_trace(const std::string& path, const graph::replay::Replayed& replaye
   tools::write_text(path, text.str());
 }
 
-/// As a real run writes it; the page needs what the recorded run says of the mesh.
-void write_report(const std::string& folder, const Json& report, const std::string& account,
+/// As a real run writes it, but for the mesh, which was not made. `text`: of the account.
+void write_report(const std::string& folder, const Json& account, const std::string& text,
                   const graph::replay::Replayed& replayed) {
-  tools::write_text((fs::path(folder) / "replay.json").string(), account);
+  tools::write_text((fs::path(folder) / "replay.json").string(), text);
   tools::write_graph((fs::path(folder) / "graph.json").string(), replayed.graph);
-  if (!report.is_object()) return;
-  const Json profile = report::profile_json({.report = report,
+  Json simulation = account;
+  for (const char* elsewhere : {"schema", "memory_by_rank", "engine"}) simulation.erase(elsewhere);
+  const Json no_report;
+  const Json profile = report::profile_json({.report = no_report,
+                                             .simulation = &simulation,
                                              .engine = &replayed.engine,
                                              .graph = &replayed.graph,
                                              .timelines = replayed.timelines});
@@ -277,14 +308,12 @@ std::string summary(const SimulatedFilesResult& r) {
 ReplayResult replay(const std::string& path, const ReplayOptions& options) {
   graph::replay::ReplayOptions used = checked(options);
   check_outputs(path, options);
-  GraphDump recorded = tools::read_graph(path);
+  Json profile;
+  GraphDump recorded = tools::read_graph(path, &profile);
   const double recorded_seconds = span_of(recorded);  // before its tasks get other times
-  const Json report = recorded_report(path);
-  used.object_bytes = options.subdomain_bytes;
-  if (used.object_bytes == 0) {
-    const auto recorded_bytes = static_cast<double>(bytes_of_subdomain(report, recorded.instances.size()));
-    used.object_bytes = static_cast<std::uint64_t>(recorded_bytes * options.grow / options.split);
-  }
+  const SubdomainBytes memory =
+      bytes_of_subdomain(path, std::move(profile), recorded.instances.size(), options);
+  used.object_bytes = memory.bytes;
   const graph::replay::Replayed replayed = tools::naming_document(path, [&] {
     if (options.processor_times) graph::replay::take_processor_times(recorded);
     if (options.copies > 1 || options.split > 1 || options.grow != 1)
@@ -295,16 +324,26 @@ ReplayResult replay(const std::string& path, const ReplayOptions& options) {
   });
   ReplayResult result = result_of(recorded, replayed, options, used);
   result.recorded_seconds = recorded_seconds;
-  result.json = tools::text_of(json_of(result, path, replayed.engine), 1) + "\n";
+  result.subdomain_bytes_from = memory.from;
+  const Json account = json_of(result, path, replayed.engine);
+  result.json = tools::text_of(account, 1) + "\n";
   if (!options.report.empty()) {
-    tools::make_folder(options.report);
     result.report = (fs::path(options.report) / "replay.json").string();
-    write_report(options.report, report, result.json, replayed);
+    write_report(options.report, account, result.json, replayed);
   }
   if (!options.account.empty()) tools::write_text(options.account, result.json);
   if (!options.trace.empty()) write_trace(options.trace, replayed);
   return result;
 }
+
+namespace {
+
+std::string origin_of(const std::string& subdomain_bytes_from) {
+  if (subdomain_bytes_from == "given") return "as given";
+  return subdomain_bytes_from == "recorded" ? "of the recording's memory" : "assumed: no profile.json tells";
+}
+
+}  // namespace
 
 std::string summary(const ReplayResult& r) {
   const auto mebibytes = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
@@ -325,12 +364,13 @@ std::string summary(const ReplayResult& r) {
   line("efficiency",
        fmt::format("{:.1f} % of {} cores; idle {:.1f} %", 100 * r.efficiency, cores, 100 * r.idle_share));
   line("end", fmt::format("found {:.3g} s after the last task", std::max(0.0, r.run_seconds - r.seconds)));
-  line("messages", fmt::format("{} of {:.4g} MiB between ranks, in {} packets", r.messages,
-                               mebibytes(r.message_bytes), r.packets));
+  line("messages", fmt::format("{} of {:.4g} MiB between ranks; with moves and the engine's own {} packets",
+                               r.messages, mebibytes(r.message_bytes), r.packets));
   line("migrations",
        fmt::format("{} subdomains moved, {:.4g} MiB", r.migrations, mebibytes(r.migrated_bytes)));
-  line("memory", fmt::format("at most {} subdomains on a rank, {:.4g} MiB ({:.3g} MiB each)",
-                             r.most_subdomains, mebibytes(most), mebibytes(r.subdomain_bytes)));
+  line("memory",
+       fmt::format("at most {} subdomains on a rank, {:.4g} MiB ({:.3g} MiB each, {})", r.most_subdomains,
+                   mebibytes(most), mebibytes(r.subdomain_bytes), origin_of(r.subdomain_bytes_from)));
   line("simulated in", fmt::format("{:.3g} s", r.simulation_seconds));
   return text;
 }

@@ -28,9 +28,13 @@ nlohmann::ordered_json whole_graph(nlohmann::ordered_json& profile, const std::s
 
 }  // namespace
 
-graph::dataflow::GraphDump read_graph(const std::string& path) {
+graph::dataflow::GraphDump read_graph(const std::string& path, nlohmann::ordered_json* profile) {
   nlohmann::ordered_json json = read_json(path);
-  if (engine::schema_of(json) == "weft-profile-1") json = whole_graph(json, path);
+  if (engine::schema_of(json) == "weft-profile-1") {
+    nlohmann::ordered_json graph = whole_graph(json, path);
+    if (profile != nullptr) *profile = std::move(json);
+    json = std::move(graph);
+  }
   return naming_document(path, [&] { return graph::dataflow::dump_from_json(json); });
 }
 

@@ -23,7 +23,7 @@ auto naming_document(const std::string& file, const Call& call) {
 }
 
 /// From a graph.json or the graph in a profile.json. Throws InputError, also where that profile has a part of
-/// it.
-graph::dataflow::GraphDump read_graph(const std::string& path);
+/// it. `profile`: becomes the profile without its graph, null for a graph.json.
+graph::dataflow::GraphDump read_graph(const std::string& path, nlohmann::ordered_json* profile = nullptr);
 
 }  // namespace weft::tools

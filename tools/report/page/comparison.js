@@ -31,7 +31,7 @@
     make("div", { class: "card verdict" + (slower ? " missed" : "") }, make("span", { class: "mark" }, slower ? "!" : "✓"), make("div", {}, data.verdict, ...data.remarks.map((r) => make("small", {}, r)))),
     make("div", { class: "grid" }, run("A", data.a), run("B", data.b)),
     data.operations.length ? times("By operation", data.operations, "operation") : null, data.steps.length ? times("By step", data.steps, "step") : null,
-    data.ranks.length ? times("By rank, without idle", data.ranks, "rank") : null, measures()].filter((e) => e));
+    data.ranks.length ? times("By rank, without idle", data.ranks, "rank") : null, data.measures.length ? measures() : null].filter((e) => e));
   document.title = "weft: two runs compared" + (faster || slower ? "" : ", as fast");
   weft.startTheme();
   document.documentElement.dataset.ready = "";

@@ -46,5 +46,6 @@
     const rows = rounds.map((r) => [r.round, weft.seconds(r.seconds), ...names.map((n) => weft.count(r.counters[n]))]);
     return weft.card("Table", make("p", { class: "note" }, `Work: of all workers; the adaptation of the interior is in that of round${begins.length > 1 ? "s" : ""} ${begins.join(", ") || 0}.`), weft.table(head, rows, { figures: rounds.map((r) => ["", `round.${r.round}.seconds`, ...names.map((n) => `round.${r.round}.${n}`)]) }));
   }
-  weft.views.push({ id: "convergence", title: "Convergence", shown: () => rounds.length > 0, build: () => [left.length ? whatIsLeft() : null, names.length ? counters() : null, table()] });
+  const ofRecording = () => (data.simulation ? weft.card("", make("p", { class: "note" }, "What tasks counted was counted when they were recorded; their times are simulated.")) : null);
+  weft.views.push({ id: "convergence", title: "Convergence", shown: () => rounds.length > 0, build: () => [ofRecording(), left.length ? whatIsLeft() : null, names.length ? counters() : null, table()] });
 })();

@@ -5,6 +5,7 @@
   const report = data.report;
 
   function operators() {
+    if (!report) return null;
     const names = Object.keys(report.operations);
     const reasons = [...new Set(names.flatMap((n) => Object.entries(report.operations[n].refused).filter(([, c]) => c > 0).map(([r]) => r)))];
     const rows = names.map((n) => {
@@ -31,10 +32,16 @@
     if (!data.engine) return null;
     const rows = Object.entries(data.engine.network_calls).sort((a, b) => b[1] - a[1]).map(([name, n]) => [name, weft.count(n)]);
     const counters = Object.entries(data.engine.counters).map(([name, c]) => [name.replaceAll("_", " "), weft.digits(c.sum), weft.digits(c.min), weft.digits(c.max)]);
-    return make("div", { class: "two" }, weft.card("MPI calls", make("p", { class: "note", "data-figure": "collective_calls" }, `Collective calls in the loop: ${weft.count(data.engine.collective_calls)}`), rows.length ? weft.table(["function", "calls"], rows) : weft.empty("One process: none.")),
+    return make("div", { class: "two" }, data.simulation ? null : weft.card("MPI calls", make("p", { class: "note", "data-figure": "collective_calls" }, `Collective calls in the loop: ${weft.count(data.engine.collective_calls)}`), rows.length ? weft.table(["function", "calls"], rows) : weft.empty("One process: none.")),
       counters.length ? weft.card("Counters of the engine", weft.table(["counter", "sum", "least of a rank", "most"], counters)) : null);
   }
+  function simulated() {
+    const text = (value) => (typeof value === "object" ? Object.entries(value).map(([k, v]) => `${k}: ${text(v)}`).join(", ") : typeof value !== "number" ? String(value) : Number.isInteger(value) ? weft.count(value) : weft.digits(value, 4));
+    return weft.card("The replay", weft.table(["", ""], Object.entries(data.simulation).map(([name, value]) => [name.replaceAll("_", " "), { class: "text", text: text(value) }])));
+  }
   function command() {
+    if (data.simulation) return simulated();
+    if (!report) return null;
     const rows = [["command", "weft " + report.arguments.join(" ")], ["version", report.version], [report.asked_complexity === null ? "complexity of the metric on the background mesh (none was asked for)" : "target complexity", weft.digits(report.target_complexity, 6)], ["threads", report.threads]];
     if (report.subdomains) rows.push(["partitioner", report.subdomains.partitioner], ["layers handed over", report.subdomains.layers]);
     return weft.card("The command", weft.table(["", ""], rows.map(([k, v]) => [k, { class: "text", text: String(v) }])));

@@ -39,8 +39,9 @@
     if (n >= 1 && n <= views.length && !event.ctrlKey && !event.altKey && !event.metaKey && !/INPUT|SELECT/.test(event.target.tagName)) weft.show(views[n - 1].id);
   });
 
-  const words = data.report.arguments, input = words.find((w) => /\.(meshb?|msh|vtu|pvtu|cgns|ugrid|su2)$/.test(w)) || "";
-  document.getElementById("what").textContent = "· " + (data.case || input.split("/").pop() || "adaptation");
+  const words = data.report ? data.report.arguments : [], input = words.find((w) => /\.(meshb?|msh|vtu|pvtu|cgns|ugrid|su2)$/.test(w)) || "";
+  const simulated = data.simulation && `${data.simulation.graph}, simulated on ${weft.plural(data.simulation.ranks, "rank")}`;
+  document.getElementById("what").textContent = "· " + (simulated || data.case || input.split("/").pop() || "adaptation");
   document.title = "weft report " + document.getElementById("what").textContent;
   weft.startTheme();
   const linked = () => views.find((v) => v.id === location.hash.slice(1));

@@ -3,8 +3,8 @@
 (() => {
   const { data, make } = weft;
   const report = data.report;
-  const sets = [["before", report.before, "#9aa7b4"], ["after", report.after, "#2f6fb0"]];
-  if (report.subdomains && report.subdomains.former_interface && report.subdomains.former_interface.tets > 0) sets.push(["former interface", report.subdomains.former_interface, "#e07b16"]);
+  const sets = report ? [["before", report.before, "#9aa7b4"], ["after", report.after, "#2f6fb0"]] : [];
+  if (report && report.subdomains && report.subdomains.former_interface && report.subdomains.former_interface.tets > 0) sets.push(["former interface", report.subdomains.former_interface, "#e07b16"]);
   const known = sets.filter(([, m]) => m);
 
   const edge = (h, i) => {
@@ -94,5 +94,5 @@
   }
 
   const build = () => [make("div", { class: "two" }, histogram("Quality of the tets", "quality", "mean ratio", "tets"), histogram("Length of the edges", "edge_length", "length in the metric", "edges")), figures(), weft.publishedCard()];
-  weft.views.push({ id: "quality", title: "Quality", build });
+  weft.views.push({ id: "quality", title: "Quality", shown: () => known.length > 0, build });
 })();

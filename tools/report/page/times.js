@@ -41,10 +41,12 @@
   }
 
   function commandCard() {
+    if (!report) return null;
     const rows = Object.entries(report.seconds).map(([name, s]) => [name, weft.seconds(s)]);
     return weft.card("The whole command", weft.table(["step", "time"], rows));
   }
   function stagesCard() {
+    if (!report) return null;
     const rows = report.stages.map((stage) => [stage.name, weft.seconds(stage.seconds), weft.count(stage.vertices), weft.count(stage.tets)]);
     return rows.length ? weft.card("Stages of the adaptation", weft.table(["stage", "time", "vertices", "tets"], rows)) : null;
   }

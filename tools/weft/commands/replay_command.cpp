@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <memory>
 
 #include "tools/weft/commands/commands.h"
@@ -27,7 +28,12 @@ Sizes and times are drawn from the recorded ones: what a step takes goes with th
 predicted tets that fits it.
 --network: flat (default), tree:N (N ranks a switch), or with contention, by SimGrid, fat-tree:N and
 dragonfly:N (N ranks a router).
---processor-times is for a recording with one thread a rank on a machine that had other work, too.)";
+A task takes one thread: record with --threads 1, for what other threads did at its loops is not in
+its time. --processor-times is for such a recording on a machine that had other work, too.
+A subdomain's memory is that of the recorded processes at most, without what they had at their start,
+divided by the subdomains; it is in the profile.json beside FILE. Without one: 1 MiB.
+The page, profile.json and `weft report` say that such a run was simulated; of the mesh, which is not
+made, they say nothing.)";
 
 struct ReplayCommand {
   std::string file;
@@ -52,7 +58,8 @@ void add_machine(CLI::App& sub, ReplayOptions& options) {
                  "latency, bandwidth and topology, see below; default 2us,10GB/s")
       ->type_name("L,B[,T]")
       ->group(kGroup);
-  sub.add_option("--balancer", options.balancer, "none, stealing (default) or diffusion")
+  sub.add_option("--balancer", options.balancer,
+                 "none, stealing (default), diffusion, or rotate, which moves all the time")
       ->type_name("NAME")
       ->group(kGroup);
   sub.add_option("--slowdown", options.slowdown, "every task takes so many times as long (default 1)")
@@ -68,7 +75,7 @@ void add_replay_command(CLI::App& app, Action& action) {
   auto command = std::make_shared<ReplayCommand>();
   sub->add_option("FILE", command->file, "the recorded graph")->type_name("FILE")->required();
   sub->add_option("--report", command->options.report,
-                  "write replay.json, graph.json and the page to this folder")
+                  "write replay.json, graph.json, profile.json and the page to this folder")
       ->type_name("DIR");
   sub->add_option("--account", command->options.account, "write replay.json alone to this file")
       ->type_name("FILE");
@@ -82,7 +89,8 @@ void add_replay_command(CLI::App& app, Action& action) {
   sub->add_flag("--processor-times", command->options.processor_times,
                 "tasks take the processor time that they took, not the wall time");
   sub->add_option("--subdomain-bytes", command->options.subdomain_bytes,
-                  "of one that moves; default: by report.json beside FILE, else 1 MiB")
+                  "memory of one, sent where it moves; default: see below")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40).description(""))
       ->type_name("N");
   add_machine(*sub, command->options);
   add_verbosity(*sub, command->verbosity);

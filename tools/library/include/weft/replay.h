@@ -16,16 +16,19 @@ struct ReplayOptions {
   /// LATENCY,BANDWIDTH[,TOPOLOGY]: flat; tree:N, fat-tree:N for N ranks a switch; dragonfly:N for N ranks a
   /// router. fat-tree and dragonfly are simulated by SimGrid, where weft was built with it.
   std::string network = "2us,10GB/s";
-  std::string balancer = "stealing";  ///< none, stealing, diffusion
-  double slowdown = 1;                ///< of every task: cores that are all busy are slower
+  std::string balancer = "stealing";  ///< none, stealing, diffusion; rotate: moves all the time, for tests
+  double slowdown = 1;                ///< of every task, 1e-6 to 1e6: cores that are all busy are slower
   bool processor_times = false;       ///< tasks take their processor time: the machine had other work, too
   int copies = 1;                     ///< so many times the recorded mesh, for weak scaling
   int split = 1;                      ///< so many times the subdomains of the mesh, each so much smaller
-  double grow = 1;                    ///< so many times the tets in each subdomain
-  std::uint64_t subdomain_bytes = 0;  ///< of one that moves; 0: by report.json beside the graph, else 1 MiB
-  std::string report;                 ///< folder for replay.json, graph.json, profile.json; empty: none
-  std::string account;                ///< file for replay.json alone; empty: none
-  std::string trace;                  ///< file for a timeline; empty: none
+  double grow = 1;                    ///< so many times the tets in each subdomain, 1e-6 to 1e6
+  /// Memory of a subdomain, which is sent where it moves. 0: that of the recording's processes, at most at a
+  /// time, without what they had at their start, divided by its subdomains; by the profile.json that holds
+  /// the graph or lies beside it. 1 MiB where none tells, as of a recording on simulated ranks.
+  std::uint64_t subdomain_bytes = 0;
+  std::string report;   ///< folder for replay.json, graph.json, profile.json and the page; empty: none
+  std::string account;  ///< file for replay.json alone; empty: none
+  std::string trace;    ///< file for a timeline; empty: none
 };
 
 /// Times are seconds of the adaptation's loop: reading, decomposition and writing are no tasks.
@@ -46,10 +49,12 @@ struct ReplayResult {
   std::uint64_t migrations = 0, migrated_bytes = 0;
   std::uint64_t most_subdomains = 0;  ///< on a rank at a time
   std::uint64_t subdomain_bytes = 0;
-  std::vector<std::uint64_t> memory;  ///< bytes by rank: its most subdomains at a time
-  double simulation_seconds = 0;      ///< that the replay took here
-  std::string report;                 ///< replay.json; empty: none
-  std::string json;                   ///< what it has
+  std::string subdomain_bytes_from;  ///< given, recorded or assumed
+  std::vector<std::uint64_t>
+      memory;                     ///< bytes by rank: its most subdomains at a time, each `subdomain_bytes`
+  double simulation_seconds = 0;  ///< that the replay took here
+  std::string report;             ///< replay.json; empty: none
+  std::string json;               ///< what it has
 };
 
 /// `path`: graph.json or profile.json of a run (weft adapt --report DIR). Throws InputError, OptionError.
