@@ -57,8 +57,12 @@ def skip(why):
     print(f"several_hosts: SKIPPED: {why}", file=sys.stderr)
 
 
+def address(host):
+    return f"10.77.0.{host}"
+
+
 class Hosts:
-    """Namespaces 1 to n at 10.77.0.1 to n, joined by a switch."""
+    """Namespaces 1 to n at address(1) to address(n), joined by a switch."""
 
     def __init__(self, count):
         self.count = count
@@ -68,7 +72,7 @@ class Hosts:
             sh("ip", "netns", "add", name)
         self.switch = SoftSwitch(names, "weft0")
         for host, name in enumerate(names, 1):
-            self.within(name, "ip", "address", "add", f"10.77.0.{host}/24", "dev", "weft0")
+            self.within(name, "ip", "address", "add", f"{address(host)}/24", "dev", "weft0")
             self.within(name, "ip", "link", "set", "lo", "up")
             self.within(name, "ip", "link", "set", "weft0", "mtu", MTU, "up")
             # Open MPI's daemons notice a silent host by TCP alone, which gives up after a quarter of an hour by default.
@@ -123,7 +127,7 @@ class Run:
         agent.write_text(AGENT.format(prefix=PREFIX))
         agent.chmod(0o755)
         self.output = folder / f"{name}.meshb"
-        addresses = ",".join(f"10.77.0.{h}:{options.ranks}" for h in range(1, hosts.count + 1))
+        addresses = ",".join(f"{address(h)}:{options.ranks}" for h in range(1, hosts.count + 1))
         environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
         mpirun = ["mpirun", "--oversubscribe", "--bind-to", "none", "--host", addresses, "-n", hosts.count * options.ranks]
         for key, value in {"plm_rsh_agent": agent, "btl": "tcp,self", "btl_tcp_if_include": "weft0", "oob_tcp_if_include": "weft0",
@@ -255,7 +259,7 @@ class Trials:
         gone = range(2, self.hosts.count + 1) if host == 1 else [host]
         named = told.groupdict()
         if "rank" in named and int(named["rank"]) // self.options.ranks + 1 not in gone or \
-           "node" in named and named["node"] not in [self.hosts.name(h) for h in gone]:
+           "node" in named and named["node"] not in [name for h in gone for name in (self.hosts.name(h), address(h))]:
             wrong.append("it names a rank or node that was not lost")
         return wrong
 
