@@ -2,9 +2,15 @@
 """A run in subdomains on ranks that one thread simulates, beside the run on one rank and on real ranks.
 
 On --ranks (1024) simulated ranks, under work stealing and diffusion: the same bytes as on one rank, a mesh that `weft
-verify` passes, time and memory of the simulation. On --real (2 and 4) ranks of mpirun and as many simulated: the same
-bytes, as many values between subdomains, and how many subdomains have moved. Prints tables; ends with 1 where bytes or
-values differ."""
+verify` passes, time and memory of the simulation. On --real (2, 4 and 8) ranks of mpirun and as many simulated, which
+share this machine's cores as real ones do: the same bytes and values between subdomains, and without balancing the same
+messages between subdomains on different ranks, by their kinds.
+
+Balancing goes by measured times, so that real runs of one command differ among themselves, by up to 2.6 times in how many
+subdomains have moved: a simulated run is compared with the range of --repeats real ones. It is told by how far it lies
+outside; with --judge-moves, for a machine that has nothing else to do, more than a tenth is an error.
+
+Prints tables; ends with 1 where bytes, values or messages differ, or moves that are judged."""
 
 import argparse
 import hashlib
@@ -18,13 +24,23 @@ import pathlib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BALANCERS = ("stealing", "diffusion")
+ALLOWED = 0.1  # share by which moves may lie outside the range of real runs
 
 
 class Runs:
-    def __init__(self, options, folder):
+    """Runs of one case in so many subdomains, beside that on one rank."""
+
+    def __init__(self, options, folder, complexity, subdomains):
         self.options, self.folder, self.wrong = options, pathlib.Path(folder), 0
+        self.complexity, self.subdomains = complexity, subdomains
         self.weft = str(pathlib.Path(options.weft).resolve())
+        as_root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
+        self.mpirun = ["mpirun", *as_root, "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1"]
         self.call([self.weft, "mesh", "box", "-o", "box.meshb", "--cells", "6", "6", "6"])
+        print(f"\nComplexity {complexity}, {subdomains} subdomains\n\n| run | bytes and values | messages between subdomains | moved | command s | took s | processor s | MB |\n"
+              "|---|---|---|---|---|---|---|---|")
+        self.expected = self.adapt([])
+        self.compare("one rank", self.expected)
 
     def call(self, words, allowed=(0,)):
         """Seconds and MB of the process."""
@@ -38,51 +54,93 @@ class Runs:
         return {"seconds": time.monotonic() - begin, "cpu": usage.ru_utime + usage.ru_stime, "MB": usage.ru_maxrss / 1024}
 
     def adapt(self, launcher, *more):
-        o = self.options
-        measured = self.call([*launcher, self.weft, "adapt", "box.meshb", "--metric-fn", "polar-2", "--complexity", str(o.complexity), "--subdomains",
-                              str(o.subdomains), "--threads", "1", "-o", "out.meshb", "--report", "report", "--quiet", *map(str, more)], (0, 1))
+        measured = self.call([*launcher, self.weft, "adapt", "box.meshb", "--metric-fn", "polar-2", "--complexity", str(self.complexity),
+                              "--subdomains", str(self.subdomains), "--threads", "1", "-o", "out.meshb", "--report", "report", "--quiet",
+                              *map(str, more)], (0, 1))
         report = json.loads((self.folder / "report/report.json").read_text())
         graph = json.loads((self.folder / "report/graph.json").read_text())
         remote = {i for i, edge in enumerate(graph["graph"]["edges"]) if edge["kind"] == "remote"}
+        engine = report["subdomains"]["engine"]
         measured["values"] = sorted((e, b) for e, b in zip(graph["uses"]["edge"], graph["uses"]["bytes"]) if e in remote)
         measured["hash"] = [hashlib.sha256((self.folder / name).read_bytes()).hexdigest() for name in ("out.meshb", "out.solb")]
-        measured["engine"], measured["times"] = report["subdomains"]["engine"], report["seconds"]
+        measured["engine"], measured["times"] = engine, report["seconds"]
+        # Those of the ranks to each other besides depend on who waits when.
+        measured["messages"] = {m["name"]: m["sent"] for m in engine["methods"] if m["name"].startswith("subdomain::")}
+        measured["moves"] = engine["traffic"]["migrate"]["sent"]["messages"]
         return measured
 
-    def simulate(self, ranks, balancer):
-        return self.adapt([], "--simulate-ranks", ranks, "--balancer", balancer, "--force")
+    def on_real(self, ranks, balancer):
+        run = self.adapt([*self.mpirun, "-n", str(ranks)], "--balancer", balancer)
+        self.compare(f"{ranks} real ranks, {balancer}", run)
+        return run
 
-    def compare(self, name, run, expected):
-        same = run["hash"] == expected["hash"] and run["values"] == expected["values"] and run["engine"]["consistent"]["pairs"]
+    def simulate(self, ranks, balancer, *more):
+        run = self.adapt([], "--simulate-ranks", ranks, "--balancer", balancer, "--force", *more)
+        self.compare(f"{ranks} simulated, {balancer}", run)
+        return run
+
+    def compare(self, name, run):
+        """Prints a row of the table."""
+        same = run["hash"] == self.expected["hash"] and run["values"] == self.expected["values"] and run["engine"]["consistent"]["pairs"]
         self.wrong += not same
-        migrations = run["engine"]["traffic"]["migrate"]["sent"]["messages"]
-        messages = run["engine"]["traffic"]["invoke"]["sent"]["messages"]
-        print(f"| {name} | {'same' if same else 'DIFFER'} | {messages} | {migrations} | {run['times']['total']:.3g} | {run['seconds']:.3g} | {run['cpu']:.3g} | "
-              f"{run['MB']:.0f} |", flush=True)
+        messages = sum(sent["messages"] for sent in run["messages"].values())
+        print(f"| {name} | {'same' if same else 'DIFFER'} | {messages} | {run['moves']} | {run['times']['total']:.3g} | {run['seconds']:.3g} | "
+              f"{run['cpu']:.3g} | {run['MB']:.0f} |", flush=True)
+
+    def beside_real(self, ranks):
+        """What is to be said of simulated ranks beside as many real ones."""
+        cores = ("--simulate-cores", min(ranks, len(os.sched_getaffinity(0))))
+        real, simulated = self.on_real(ranks, "none"), self.simulate(ranks, "none", *cores)
+        same = real["messages"] == simulated["messages"] and real["moves"] == simulated["moves"] == 0
+        self.wrong += not same
+        said = [f"{ranks} ranks, without balancing: {'the same messages between subdomains, real and simulated' if same else 'messages DIFFER'}"]
+        for balancer in BALANCERS:
+            moves = [self.on_real(ranks, balancer)["moves"] for _ in range(self.options.repeats)]
+            of_simulated = self.simulate(ranks, balancer, *cores)["moves"]
+            off = outside(of_simulated, min(moves), max(moves))
+            wrong = self.options.judge_moves and abs(off) > ALLOWED
+            self.wrong += wrong
+            where = "within their range" if off == 0 else f"{100 * abs(off):.0f} % {'above' if off > 0 else 'below'} their range"
+            said.append(f"{ranks} ranks, {balancer}: {min(moves)} to {max(moves)} moves in {len(moves)} real runs, {of_simulated} simulated: "
+                        f"{where}{', WRONG' if wrong else ''}")
+        return said
+
+
+def outside(value, least, most):
+    """How far it lies outside, as a share of the nearer end."""
+    nearest = min(max(value, least), most)
+    return (value - nearest) / max(nearest, 1)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--weft", default=ROOT / "build/bin/weft")
     parser.add_argument("--ranks", nargs="*", type=int, default=[1024])
-    parser.add_argument("--real", nargs="*", type=int, default=[2, 4])
-    parser.add_argument("--subdomains", type=int, default=256, help="(default 256)")
-    parser.add_argument("--complexity", type=int, default=2000, help="(default 2000)")
+    parser.add_argument("--complexity", type=int, default=2000, help="on --ranks (default 2000)")
+    parser.add_argument("--subdomains", type=int, default=256, help="on --ranks (default 256)")
+    parser.add_argument("--real", nargs="*", type=int, default=[2, 4, 8])
+    parser.add_argument("--real-complexity", type=int, default=20_000, help="on --real ranks: tasks that are worth moving (default 20,000)")
+    parser.add_argument("--real-subdomains", type=int, default=64, help="on --real ranks (default 64)")
+    parser.add_argument("--repeats", type=int, default=3, help="of each real run under a balancer (default 3)")
+    parser.add_argument("--judge-moves", action="store_true", help="simulated moves more than 10 %% outside the range of real ones are an error")
     options = parser.parse_args()
-    mpirun = ["mpirun", *(["--allow-run-as-root"] if os.geteuid() == 0 else []), "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1"]
+    if options.repeats < 1:
+        parser.error("--repeats: at least 1")
+    wrong = 0
     with tempfile.TemporaryDirectory(prefix="weft-many-ranks-") as folder:
-        runs = Runs(options, folder)
-        print("| run | bytes and values | messages between ranks | moved | command s | took s | processor s | MB |\n|---|---|---|---|---|---|---|---|")
-        one = runs.adapt([])
-        runs.compare("one rank", one, one)
-        for balancer in BALANCERS:
-            for ranks in options.real:
-                runs.compare(f"{ranks} real ranks, {balancer}", runs.adapt([*mpirun, "-n", str(ranks)], "--balancer", balancer), one)
-                runs.compare(f"{ranks} simulated, {balancer}", runs.simulate(ranks, balancer), one)
-            for ranks in options.ranks:
-                runs.compare(f"{ranks} simulated, {balancer}", runs.simulate(ranks, balancer), one)
-                runs.call([runs.weft, "verify", "out.meshb", "--against", "box.meshb"])
-        return 1 if runs.wrong else 0
+        if options.real:
+            runs = Runs(options, folder, options.real_complexity, options.real_subdomains)
+            said = [line for ranks in options.real for line in runs.beside_real(ranks)]
+            print("\n" + "\n".join(f"- {line}" for line in said), flush=True)
+            wrong += runs.wrong
+        if options.ranks:
+            runs = Runs(options, folder, options.complexity, options.subdomains)
+            for balancer in BALANCERS:
+                for ranks in options.ranks:
+                    runs.simulate(ranks, balancer)
+                    runs.call([runs.weft, "verify", "out.meshb", "--against", "box.meshb"])
+            wrong += runs.wrong
+    return 1 if wrong else 0
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ scripts/fuzz.sh 3600
 scripts/fuzz_runs.py build/bin/weft --seconds 3600
 # The CAD cases on their models; skips loudly where they are not there.
 scripts/cad_cases.py build/bin/weft
-# A thousand ranks in one thread, and real ones: the same bytes.
+# A thousand ranks in one thread, and 2, 4 and 8 simulated and real ones: the same bytes and messages.
 scripts/many_ranks.py
 # Several hosts over TCP, links that are slow, lossy or cut, hosts that are lost; skips loudly where network namespaces are not permitted.
 scripts/several_hosts.py --hosts 4
