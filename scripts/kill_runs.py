@@ -124,12 +124,11 @@ class Run:
         try:
             process.wait(seconds)
         except subprocess.TimeoutExpired:
-            children = children_of(process.pid)
-            strike(process.pid, *children)
+            strike(process.pid, *ranks_of(process.pid))
             raise Failure(f"no end within {seconds} s\n{self.log()[-3000:]}") from None
 
     def kill(self, process, after):
-        ranks = children_of(process.pid) if self.mode == "ranks" else []
+        ranks = ranks_of(process.pid) if self.mode == "ranks" else []
         victims = {"all": [process.pid, *ranks]}
         if ranks:
             victims |= {"a rank": [self.random.choice(ranks)], "rank 0": ranks[:1], "mpirun": [process.pid]}
@@ -191,16 +190,18 @@ class Run:
         self.kinds["valid mesh"] += 1
 
 
-def children_of(pid):
+def ranks_of(pid):
+    """The processes of weft that this mpirun has started, itself (Open MPI) or by a process in between (MPICH)."""
     try:
-        return [int(c) for c in pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split() if is_weft(int(c))]
+        children = [int(child) for child in pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
     except OSError:
         return []
+    return [rank for child in children for rank in ([child] if is_weft(child) else ranks_of(child))]
 
 
 def is_weft(pid):
     try:
-        return b"weft" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes()
+        return b"weft" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")[0]
     except OSError:
         return False
 

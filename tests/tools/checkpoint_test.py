@@ -16,21 +16,15 @@ import time
 import unittest
 
 from command import WEFT, CommandTest
+from on_ranks import MPIRUN, is_weft, ranks_of
 
-MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
+MPICH = os.environ["WEFT_MPI"] == "mpich"
 SECONDS = 300  # far above what anything here takes
 KILLS = int(os.environ.get("WEFT_KILLS", "3"))
 SEED = int(os.environ.get("WEFT_SEED", "20261123"))
 ATTEMPTS = 20
 COMPLEXITY = 4000  # long enough for two checkpoints though others take the processor, and to be killed in
 RUN = ("box.meshb", "--metric-fn", "polar-2", "--subdomains", 9, "--quiet")
-
-
-def children_of(pid):
-    try:
-        return [int(c) for c in pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
-    except OSError:
-        return []
 
 
 class Checkpoints(CommandTest):
@@ -119,7 +113,10 @@ class Writing(Checkpoints):
             time.sleep(0.1)  # before that a signal kills
         while process.poll() is None and not self.complete():
             time.sleep(0.2)
-            process.send_signal(signal.SIGUSR2)  # mpirun passes it on
+            if MPICH:  # its mpirun does not know this signal, which ends it
+                os.kill(ranks_of(process.pid)[0], signal.SIGUSR2)
+            else:
+                process.send_signal(signal.SIGUSR2)  # mpirun passes it on
         self.assertTrue(self.complete())
         process.send_signal(signal.SIGALRM)
         process.communicate(timeout=SECONDS)
@@ -337,7 +334,7 @@ class Kills(Checkpoints):
     """Whoever is killed, and when: another number of ranks goes on, perhaps to be killed again."""
 
     def kill(self, process, chance):
-        ranks = children_of(process.pid)
+        ranks = ranks_of(process.pid)
         victims = {"a rank": [chance.choice(ranks)] if ranks else [], "rank 0": ranks[:1], "two ranks": ranks[:2],
                    "mpirun": [process.pid], "all": [process.pid, *ranks]}
         name = chance.choice(list(victims))
@@ -352,16 +349,9 @@ class Kills(Checkpoints):
         process.communicate(timeout=SECONDS)
         for rank in ranks:  # those of a dead mpirun end by themselves, but later
             for _ in range(SECONDS):
-                if "weft" not in self.command_of(rank):
+                if not is_weft(rank):
                     break
                 time.sleep(0.1)
-
-    @staticmethod
-    def command_of(pid):
-        try:
-            return pathlib.Path(f"/proc/{pid}/cmdline").read_text()
-        except OSError:
-            return ""
 
     def test_at_random_moments(self):
         expected = self.reference()
@@ -374,11 +364,11 @@ class Kills(Checkpoints):
                 ranks = chance.choice((2, 3, 4))
                 process = self.start(ranks, "--checkpoint", "ck", "--checkpoint-every", 0.05, "--resume", "ck", "-o", "out.meshb")
                 time.sleep(chance.uniform(0.3, 3))
-                children = children_of(process.pid)
+                running = ranks_of(process.pid)
                 if process.poll() is None and killed < KILLS:
                     history.append((ranks, self.kill(process, chance), self.complete()))
                     killed += 1
-                    self.wait_for_the_end(process, children)
+                    self.wait_for_the_end(process, running)
                 else:
                     out, errors = process.communicate(timeout=SECONDS)
                     self.assertIn(process.returncode, (0, 1), f"{history}\n{out}{errors}")

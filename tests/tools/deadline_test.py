@@ -11,17 +11,11 @@ import time
 import unittest
 
 from command import WEFT, CommandTest
+from on_ranks import MPIRUN, ranks_of
 
-MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
 SECONDS = 300  # far above what anything here takes
 LONG = ("--metric-fn", "polar-2", "--complexity", 200000, "--threads", 1, "--progress", "none", "-o", "out.meshb",
         "--report", "r")
-
-
-def ranks_of(mpirun):
-    """The processes that mpirun has started."""
-    children = pathlib.Path(f"/proc/{mpirun.pid}/task/{mpirun.pid}/children").read_text().split()
-    return [int(c) for c in children if "weft" in pathlib.Path(f"/proc/{c}/cmdline").read_text()]
 
 
 def catches(process, number):
@@ -145,7 +139,7 @@ class Signals(Deadline):
         process = self.start(ranks, *LONG, "--subdomains", 6)
         for _ in range(10 * SECONDS):
             time.sleep(0.1)
-            if process.poll() is not None or sum(catches(rank, signal.SIGTERM) for rank in ranks_of(process)) == ranks:
+            if process.poll() is not None or sum(catches(rank, signal.SIGTERM) for rank in ranks_of(process.pid)) == ranks:
                 break
         time.sleep(1)  # into the adaptation, or near it: either is to end well
         return process
@@ -153,7 +147,7 @@ class Signals(Deadline):
     def test_to_one_rank_reaches_all(self):
         for rank in (0, 1):
             process = self.running(2)
-            os.kill(ranks_of(process)[rank], signal.SIGTERM)
+            os.kill(ranks_of(process.pid)[rank], signal.SIGTERM)
             self.assert_valid_result(process, "interrupted")
 
     def test_that_mpirun_passes_on(self):

@@ -15,6 +15,7 @@ import unittest
 from command import WEFT, CommandTest, solution_text
 
 SOLVER = pathlib.Path(os.environ["WEFT_EXAMPLE_SOLVER"]).resolve()
+LAUNCHER = " ".join([*os.environ["WEFT_MPIRUN"].split(";"), "-n 2"])
 POISSON = f"{SOLVER} poisson smooth {{mesh}} {{solution}}"
 
 
@@ -102,12 +103,10 @@ class Cycles(LoopTest):
 
 
 class OnRanks(LoopTest):
-    LAUNCHER = " ".join(os.environ["WEFT_MPIRUN"].split(";"))
-
     def test_adaptations_run_on_the_ranks_of_the_launcher_and_the_solver_by_its_own_line(self):
         solver = "echo $OMPI_COMM_WORLD_SIZE$PMI_SIZE > ranks; " + POISSON
         text = self.loop(solver=solver, metric={"hgrad": 1.5, "norm": 4}, transfer="conservative",
-                         adapt={"launcher": self.LAUNCHER + " -n 2", "subdomains": 4}).stdout
+                         adapt={"launcher": LAUNCHER, "subdomains": 4}).stdout
         self.assertRegex(text, r"cycle 2 of 2: complexity .* adapted on 2 ranks in ")
         self.assertEqual((self.folder / "ranks").read_text().strip(), "", "the solver was not started by mpirun")
         self.assertEqual(self.kept(1), ["adapt.log", "done.json", "mesh-fields.solb", "mesh.meshb", "mesh.solb", "report.json",
@@ -126,11 +125,11 @@ class OnRanks(LoopTest):
         self.fails("run.json: adapt.launcher: cycle 1: ended with 3", "adapt.log", adapt={"launcher": "exit 3 #"})
         self.fails("run.json: adapt.launcher: cycle 1: wrote no mesh", adapt={"launcher": ": #"})
         self.fails("run.json: adapt.launcher: cycle 1: ended with ", "none.step", "adapt.log",
-                   adapt={"launcher": self.LAUNCHER + " -n 2", "geometry": "none.step"})
+                   adapt={"launcher": LAUNCHER, "geometry": "none.step"})
         self.loop(adapt={"threads": 1})  # goes on in the cycle that failed
 
     def test_the_loop_itself_is_not_started_by_mpirun(self):
-        done = subprocess.run([*os.environ["WEFT_MPIRUN"].split(";"), "-n", "2", str(WEFT), "loop", self.write_config()], cwd=self.folder,
+        done = subprocess.run([*LAUNCHER.split(), str(WEFT), "loop", self.write_config()], cwd=self.folder,
                               capture_output=True, text=True)
         self.assertNotEqual(done.returncode, 0)
         self.assertEqual(done.stderr.count("start the loop without it"), 1, done.stderr)
@@ -218,7 +217,7 @@ class Resumption(LoopTest):
 
 class AnyOption(LoopTest):
     def test_of_adapt_has_its_effect_here_and_on_ranks(self):
-        launcher = {"launcher": "mpirun --oversubscribe --bind-to none -n 2", "subdomains": 3}
+        launcher = {"launcher": LAUNCHER, "subdomains": 3}
         for adapt in ({"threads": 1}, launcher):
             self.loop(complexities=[300], metric={"hgrad": 1.3, "implied": True},
                       adapt={**adapt, "no_swap": True, "freeze": "tets", "max_memory": 8e9}, folder="with")
@@ -276,7 +275,7 @@ class Failures(LoopTest):
         self.assertFalse((self.folder / "run/000/done.json").exists())
 
     def test_of_a_limit(self):
-        for adapt in ({"threads": 1}, {"launcher": OnRanks.LAUNCHER + " -n 2", "force": True}):
+        for adapt in ({"threads": 1}, {"launcher": LAUNCHER, "force": True}):
             told = self.loop(expect=2, adapt={**adapt, "max_memory": 1e6}).stderr
             self.assertIn("run.json: adapt: cycle 1: ended early: memory limit", told)
         self.loop(adapt={"threads": 1})  # goes on in the cycle that failed
