@@ -205,6 +205,15 @@ class Adapt(CommandTest):
 
 
 class Report(CommandTest):
+    def test_without_a_page_is_one_file(self):
+        words = ("adapt", self.box(), "--metric-fn", "uniform:0.3", "-o", "out.meshb", "--threads", 1, "--no-page")
+        self.weft(*words, "--report", "report")
+        report = self.folder / "report"
+        self.assertEqual([file.name for file in report.iterdir()], ["report.json"])
+        self.assertEqual(set(json.loads((report / "report.json").read_text())), REPORT_KEYS)
+        self.assert_fails(*words, says="--report", code=64)
+        self.assert_fails(*words, "--report", "report", "--case", "cube-polar2-50000", says="--no-page", code=64)
+
     def test_holds_everything(self):
         self.box()
         self.weft("adapt", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb", "--report", "new/report",

@@ -393,6 +393,20 @@ class Results(Subdomains):
         self.assertEqual({lane["name"].split()[0] for lane in lanes}, {"worker"}, "which worker ran a task is known of all")
         self.assertGreater(report["former_interface"]["tets"], 0)
 
+    def test_a_report_without_a_page_is_the_same_account(self):
+        self.box(5)
+        words = ("box.meshb", "--metric-fn", "uniform:0.2", "--subdomains", 5, "-o", "out.meshb", "--quiet")
+        accounts = []
+        for folder, more in (("full", ()), ("plain", ("--no-page",)), ("drawn", ("--no-page", "--graph", "g.json"))):
+            self.run_on(2, *words, "--report", folder, *more)
+            report = json.loads((self.folder / folder / "report.json").read_text())
+            accounts.append({name: report[name].keys() if isinstance(report[name], dict) else None for name in report})
+            self.assertEqual([rank["rank"] for rank in report["subdomains"]["by_rank"]], [0, 1])
+        self.assertEqual(accounts, [accounts[0]] * 3)
+        for folder in ("plain", "drawn"):
+            self.assertEqual([path.name for path in (self.folder / folder).iterdir()], ["report.json"])
+        self.weft("graph", "g.json", "-o", "g.svg")  # it is complete
+
     def test_the_input_is_measured_by_all_ranks_as_by_one(self):
         self.box(5)
         words = ("box.meshb", "--metric-fn", "polar-2", "--complexity", 300, "-o", "out.meshb", "--report", "r", "--quiet")

@@ -293,7 +293,7 @@ def test_options_are_those_of_the_command():
         [WEFT, "adapt", "--help"], capture_output=True, text=True, timeout=60).stdout.split("Examples")[0]))
     of_command = {name for name, _, _, there in weft._weft.named_options() if there}
     named = set(inspect.signature(weft.adapt_files).parameters)
-    beside = {"help", "out", "field", "progress", "quiet"}  # of the command line, output= and fields=
+    beside = {"help", "out", "field", "no-page", "progress", "quiet"}  # of the command line, output=, fields= and page=
     assert of_command <= documented
     assert {name.replace("-", "_") for name in documented - of_command - beside} <= named
 

@@ -47,10 +47,12 @@ namespace fs = std::filesystem;
 
 Keep what_to_keep(const Files& files) {
   const bool report = !files.report.empty();
-  return {.record = report || !files.graph.empty() || !files.trace.empty(),
-          .timelines = (report && files.page) || !files.trace.empty(),
-          .plan = !files.graph.empty(),
-          .view = report};
+  const bool page = report && files.page, graph = !files.graph.empty(), trace = !files.trace.empty();
+  return {.by_rank = report || graph || trace,
+          .record = page || graph || trace,
+          .timelines = page || trace,
+          .plan = graph,
+          .view = page};
 }
 
 /// One run on one rank. All ranks do the same steps; only rank 0's account is complete.
@@ -97,10 +99,10 @@ class DistributedFileJob {
   /// What is read and written decides what all ranks do together.
   void agree_on_files() {
     const auto given = [](const std::string& path) { return path.empty() ? "none" : "some"; };
-    const std::string mine =
-        fmt::format("input {}, output {}, background {}, fields {}, report {}, graph {}, trace {}",
-                    files_.input, files_.output, files_.background, fmt::join(files_.fields, " "),
-                    given(files_.report), given(files_.graph), given(files_.trace));
+    const std::string mine = fmt::format(
+        "input {}, output {}, background {}, fields {}, report {}, page {}, graph {}, trace {}", files_.input,
+        files_.output, files_.background, fmt::join(files_.fields, " "), given(files_.report),
+        files_.page ? "some" : "none", given(files_.graph), given(files_.trace));
     const std::string first = partition::text_of_first(run_.peers(), mine);
     partition::agree(run_.peers(),
                      mine == first ? "" : fmt::format("files differ: {}; on rank 0: {}", mine, first));
@@ -170,7 +172,7 @@ class DistributedFileJob {
   }
 
   /// The account is of measures.
-  bool is_measured() const { return options_.run.measure || keep_.record; }
+  bool is_measured() const { return options_.run.measure || keep_.by_rank; }
 
   /// Points, tets and fields of the input stay in shares until the result is there.
   void keep_for_fields(SliceInput& input) {
@@ -266,7 +268,7 @@ class DistributedFileJob {
     account_.peak_memory = partition::max(run_.peers(), peak_memory_bytes());
     run_.gather_machines();
     run_.account_for_exchanges();
-    if (!run_.first() || !keep_.record) return;
+    if (!run_.first() || !keep_.by_rank) return;
     try {
       write_accounts();
     } catch (const std::bad_alloc&) {

@@ -342,19 +342,15 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
   gather_statistics(report);
 }
 
-/// Rank 0 hears the sums; of each rank and each run of a node where a record is kept.
+/// Rank 0 hears the sums; of each rank and each run of a node as far as that is kept.
 void DistributedRun::gather_statistics(Report& report) {
   graph::dataflow::ExecutionLog log = graph::adaptation::execution_log(*runtime_);
   const RankStats mine = seconds_of_rank(*peers_, log, runtime_->summary());
-  engine::RunSummary sums;
-  if (keep_.record) {
-    log = gather_log(*exchange_, std::move(log));
-    const engine::TimePoint clock_offset = runtime_->clock_offset();
-    sums = engine::merge(runtime_->gather_summaries());
-    gather_runs(*exchange_, log, clock_offset, rank_.plan, record_);
-  } else {
-    sums = runtime_->gather_sums();
-  }
+  if (keep_.record) log = gather_log(*exchange_, std::move(log));
+  const engine::TimePoint clock_offset = runtime_->clock_offset();
+  engine::RunSummary sums =
+      keep_.by_rank ? engine::merge(runtime_->gather_summaries()) : runtime_->gather_sums();
+  if (keep_.record) gather_runs(*exchange_, log, clock_offset, rank_.plan, record_);
   if (keep_.plan) gather_plan(*exchange_, std::move(result_.planned), rank_.plan, record_);
   std::vector<ShiftRecord> shifts;
   for (const auto& list : result_.shifts) shifts.insert(shifts.end(), list.begin(), list.end());
@@ -362,7 +358,7 @@ void DistributedRun::gather_statistics(Report& report) {
     a += b;
     return a;
   })[0];
-  stats_ = std::make_shared<DistributedStats>(account_for(*peers_, mine, shifts, keep_.record));
+  stats_ = std::make_shared<DistributedStats>(account_for(*peers_, mine, shifts, keep_.by_rank));
   account_for_checkpoints(sums, report);
   add_engine(std::move(sums), *stats_);
   stats_->subdomains = rank_.plan.subdomains;

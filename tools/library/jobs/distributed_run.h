@@ -22,9 +22,10 @@
 
 namespace weft::tools {
 
-/// What a run keeps for its account beside figures.
+/// What a run keeps for its account beside sums over all ranks.
 struct Keep {
-  bool record = false;     ///< the executed graph, memory
+  bool by_rank = false;    ///< figures of each rank
+  bool record = false;     ///< the executed graph, memory; with `by_rank`
   bool timelines = false;  ///< beside the record
   bool plan = false;       ///< the planned graph
   bool view = false;       ///< the mesh, thinned out, for the page

@@ -156,10 +156,16 @@ void add_report_options(CLI::App& sub, AdaptCommand& command) {
   sub.add_option("--report", command.files.report, "folder for report.html, report.json and profile.json")
       ->type_name("DIR")
       ->group(kGroup);
+  CLI::Option* no_page = sub.add_flag_callback(
+                                "--no-page", [&command] { command.files.page = false; },
+                                "only report.json there: no timelines and task graph are kept")
+                             ->needs("--report")
+                             ->group(kGroup);
   sub.add_option("--case", command.files.case_name, "compare with published figures of this case; see below")
       ->type_name("NAME")
       ->check(CLI::IsMember(published_cases()).description(""))
       ->needs("--report")
+      ->excludes(no_page)
       ->group(kGroup);
   sub.add_option("--graph", command.files.graph,
                  "executed task graph: .json, .dot, .graphml or .svg; the planned one beside it")

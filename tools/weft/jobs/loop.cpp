@@ -253,7 +253,6 @@ class Loop {
                        fmt::format("cycle {}: {}{}; it said: {}", cycle,
                                    ended_well ? "wrote no mesh" : fmt::format("ended with {}", result.status),
                                    issue_in(log), log.string()));
-    for (const char* of_page : {"graph.json", "profile.json", "report.html"}) fs::remove(folder / of_page);
     return read_report(cycle, json, marker);
   }
 
@@ -271,7 +270,7 @@ class Loop {
   /// With the options that are not as they are by themselves.
   static std::string adapt_line(const Files& files, const Options& options) {
     std::string line =
-        "{weft} adapt {in} --sol {sol} --field {sol} -o {out} --report {report} --progress none";
+        "{weft} adapt {in} --sol {sol} --field {sol} -o {out} --report {report} --no-page --progress none";
     std::map<std::string, std::string> values = {{"weft", fs::read_symlink("/proc/self/exe").string()},
                                                  {"in", files.input},
                                                  {"sol", files.fields[0]},

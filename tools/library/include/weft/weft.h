@@ -489,7 +489,7 @@ struct Files {
   std::string background;           ///< the mesh that the metric belongs to; empty: the input
   std::vector<std::string> fields;  ///< --field: at the vertices of the input, carried along
   std::string report;               ///< folder for report.json, profile.json and report.html; empty: none
-  bool page = true;                 ///< the last two of them
+  bool page = true;                 ///< --no-page: report.json alone, with less to keep during the run
   std::string case_name;            ///< published figures to show beside (published_cases())
   std::string graph;  ///< file for the executed task graph; empty: none. In subdomains, as `trace`
   std::string trace;  ///< file for a timeline, of more than 64 ranks that of 64; empty: none
