@@ -325,6 +325,62 @@ TEST(Door, AdaptsTwoMeshesAtOnceAsItDoesEachAlone) {
   EXPECT_TRUE(equal(alone_b.mesh, beside_b.mesh));
 }
 
+TEST(Door, ChecksAFileOfFieldsAsReadingItDoes) {
+  const Mesh mesh = box_of(3);
+  const std::size_t n = mesh.points.size();
+  Fields good{n,
+              {{Field::Kind::scalar, std::vector<double>(n, 2.5), "heat"},
+               {Field::Kind::vector, std::vector<double>(3 * n, 1.5), "flow"}}};
+  Fields bad = good;
+  bad.fields[1].values[3 * 9 + 1] = std::numeric_limits<double>::quiet_NaN();
+  const auto write = [&](const std::string& path, const Fields& fields) {
+    if (is_mesh_name(path))
+      write_mesh_file(path, {mesh, fields, {}, {}, 0});  // does not look at values
+    else
+      write_fields(path, fields);
+  };
+  for (const char* extension : {".solb", ".sol", ".vtu", ".msh", ".cgns"}) {
+    const std::string path = ::testing::TempDir() + "weft_door_checked" + extension;
+    const auto check = [&](std::size_t points) {
+      return error_of<InputError>([&] { check_field_file(path, {points, points}, "box"); });
+    };
+    const auto read = [&](std::size_t points) {
+      return error_of<InputError>([&] { read_fields({path}, points, "box"); });
+    };
+    write(path, good);
+    EXPECT_EQ(check(n), "") << path;
+    const Fields heads = check_field_file(path, {n, n});
+    ASSERT_EQ(heads.fields.size(), 2u) << path;
+    EXPECT_EQ(heads.fields[0].kind, Field::Kind::scalar);
+    EXPECT_EQ(heads.fields[1].kind, Field::Kind::vector);
+    EXPECT_THAT(heads.fields[1].values, ElementsAre());
+    EXPECT_THAT(check(n - 1), HasSubstr("belongs to another mesh"));
+    EXPECT_EQ(check(n - 1), read(n - 1));
+    write(path, bad);
+    EXPECT_THAT(check(n), HasSubstr("field 2: vertex 10: not a finite number"));
+    EXPECT_EQ(check(n), read(n));
+    std::filesystem::remove(path);
+  }
+}
+
+TEST(Door, CountsTheVerticesOfAMeshFile) {
+  const Mesh mesh = box_of(3);
+  for (const char* name :
+       {"a.meshb", "a.mesh", "a.msh", "a.vtu", "a.cgns", "a.su2", "a.ugrid", "a.lb8.ugrid"}) {
+    const std::string path = ::testing::TempDir() + "weft_door_counted_" + name;
+    write_mesh(path, mesh);
+    const VertexCount count = count_vertices(path);
+    EXPECT_EQ(count.least, mesh.points.size()) << name;
+    EXPECT_EQ(count.most, mesh.points.size()) << name;
+    std::filesystem::remove(path);
+  }
+  const std::string pieces = ::testing::TempDir() + "weft_door_counted.pvtu";
+  write_mesh(pieces, mesh);
+  const VertexCount count = count_vertices(pieces);
+  EXPECT_LE(count.least, mesh.points.size());
+  EXPECT_GE(count.most, mesh.points.size());
+}
+
 TEST(Door, ReadsAMetricFromAnotherMesh) {
   const Mesh start = box_of(3), background = box_of(5);
   std::vector<double> h;

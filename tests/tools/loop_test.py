@@ -136,6 +136,26 @@ class OnRanks(LoopTest):
         self.assertFalse((self.folder / "run").exists())
 
 
+class Memory(LoopTest):
+    MEASURE = "import resource, subprocess, sys; subprocess.run(sys.argv[1:]); print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
+
+    def peak(self, cells):
+        """Of a loop, in bytes, that ends where its first adaptation would be started."""
+        self.box(cells)
+        values = self.write("sizes.sol", solution_text([(i % 7,) for i in range((cells + 1)**3)], kind=1))
+        config = self.write_config(solver=f"cp {values} {{solution}} # {{mesh}}", solution_extension=".sol", adapt={"launcher": "exit 3 #"})
+        # By a process of its own: what is forked begins with the peak of its parent.
+        measured = subprocess.run([sys.executable, "-c", self.MEASURE, str(WEFT), "loop", config], cwd=self.folder, capture_output=True,
+                                  text=True)
+        self.assertIn("ended with 3", measured.stderr)
+        shutil.rmtree(self.folder / "run")
+        return int(measured.stdout.split()[-1]) * 1024
+
+    def test_a_loop_with_a_launcher_does_not_hold_the_mesh(self):
+        few, many = self.peak(2), self.peak(48)
+        self.assertLess(many - few, 0.3 * (self.folder / "box.meshb").stat().st_size)
+
+
 class Resumption(LoopTest):
     SLOW = "if [ {cycle} = 2 ] && [ -e slow ]; then echo $$ > pid; exec sleep 100; fi; " + POISSON
 
@@ -260,6 +280,13 @@ class AnyOption(LoopTest):
 
 class Failures(LoopTest):
     def test_of_the_solver(self):
+        self.fail_in_all_ways()
+
+    def test_of_the_solver_where_a_launcher_starts_adaptations(self):
+        self.config["adapt"] = {"launcher": "exit 3 #"}
+        self.fail_in_all_ways()
+
+    def fail_in_all_ways(self):
         self.fails("run.json: solver: cycle 0: ended with 3", "solver.log", solver="exit 3 # {mesh} {solution}")
         self.fails("cycle 0: ended with 137", solver="kill -9 $$ # {mesh} {solution}")
         self.fails("cycle 0: wrote no", "000/solution.solb", solver="true {mesh} {solution}")
@@ -273,6 +300,36 @@ class Failures(LoopTest):
         self.write("vector.sol", solution_text([(1, 2, 3)] * n, kind=2))
         self.fails("solution.sol", "no scalar field", solver=copy.format("vector.sol"))
         self.assertFalse((self.folder / "run/000/done.json").exists())
+
+    def test_of_a_solution_in_a_mesh_file(self):
+        n = 6**3
+        for name, rows in (("good", [(7.25,)] + [(1,)] * (n - 1)), ("vector", [(1, 2, 3)] * n)):
+            self.write(f"{name}.sol", solution_text(rows, kind=1 if len(rows[0]) == 1 else 2))
+        self.weft("mesh", "box", "-o", "small.meshb", "--cells", 3)
+        self.write("short.sol", solution_text([(1,)] * 64, kind=1))
+        for extension, nan in ((".vtu", "field 1: vertex 1: not a finite number"), (".msh", "field 1: vertex 1: not a finite number"),
+                               (".pvtu", "field 1: vertex "), (".cgns", None)):
+            solver = f"cp {{}}_*.vtu run/000; cp {{}}{extension} {{{{solution}}}} # {{{{mesh}}}}"
+            words = [] if extension == ".cgns" else ["--encoding", "ascii"]
+            for name in ("good", "short", "vector"):
+                self.weft("convert", "small.meshb" if name == "short" else "box.meshb", name + extension, "--sol", name + ".sol", *words)
+            self.weft("convert", "box.meshb", "none" + extension, *words)
+            fails = {"short": "belongs to another mesh: it has ", "vector": "has no scalar field", "none": "holds no fields at vertices"}
+            if nan:
+                for file in self.folder.glob("good*" + extension.replace("p", "")):
+                    bad = file.with_name(file.name.replace("good", "bad"))
+                    bad.write_text(file.read_text().replace("7.25", "nan"))
+                if extension == ".pvtu":
+                    self.write("bad.pvtu", (self.folder / "good.pvtu").read_text().replace("good_", "bad_"))
+                fails["bad"] = nan
+            for name, says in fails.items():
+                with self.subTest(extension=extension, name=name):
+                    for adapt in ({"threads": 1}, {"launcher": "exit 3 #"}):
+                        self.fails(says, solver=solver.format(name, name), solution_extension=extension, adapt=adapt)
+            self.fails("cycle 1: ended with 3", solver=solver.format("good", "good"))
+            shutil.rmtree(self.folder / "run")
+            for file in self.folder.glob("*.vtu"):
+                file.unlink()
 
     def test_of_a_limit(self):
         for adapt in ({"threads": 1}, {"launcher": LAUNCHER, "force": True}):

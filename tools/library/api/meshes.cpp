@@ -8,6 +8,7 @@
 #include "meshing/mesh/structured_box.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/outputs.h"
+#include "tools/library/jobs/sources/field_check.h"
 #include "tools/library/jobs/sources/field_source.h"
 #include "weft/weft.h"
 
@@ -28,6 +29,12 @@ Fields read_fields(const std::string& path) { return meshing::read_solution(path
 Fields read_fields(const std::vector<std::string>& paths, std::size_t num_points,
                    const std::string& mesh_name) {
   return tools::read_all_fields(paths, num_points, mesh_name);
+}
+
+VertexCount count_vertices(const std::string& mesh) { return tools::count_vertices_of(mesh); }
+
+Fields check_field_file(const std::string& path, const VertexCount& vertices, const std::string& mesh_name) {
+  return tools::check_field_file(path, vertices, mesh_name);
 }
 
 Metric read_metric(const std::string& path, const Mesh& mesh) {

@@ -332,19 +332,27 @@ class Loop {
       throw InputError(
           config_.file, "solver",
           fmt::format("{}: wrote no {}; it said: {}", where, f.solution.string(), f.log.string()));
-    check_solution(f);
+    check_solution(f, marker);
     marker["solver_seconds"] =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return true;
   }
 
   /// Better found now than when the next cycle wants to read it.
-  void check_solution(const CycleFiles& f) const {
-    const std::size_t num_points = read_mesh(f.mesh.string()).points.size();
-    const Fields solution = read_fields({f.solution.string()}, num_points, f.mesh.string());
+  void check_solution(const CycleFiles& f, const Json& marker) const {
+    const std::string mesh = f.mesh.string(), file = f.solution.string();
+    const Fields solution = config_.launcher.empty()
+                                ? read_fields({file}, read_mesh(mesh).points.size(), mesh)
+                                : check_field_file(file, vertices_of(mesh, marker), mesh);
     const auto scalar = [](const Field& field) { return field.kind == Field::Kind::scalar; };
-    if (std::ranges::none_of(solution.fields, scalar))
-      throw InputError(f.solution.string(), "", "has no scalar field");
+    if (std::ranges::none_of(solution.fields, scalar)) throw InputError(file, "", "has no scalar field");
+  }
+
+  /// Where ranks adapt a mesh, it may fit into all of them together alone: this process does not hold it.
+  static VertexCount vertices_of(const std::string& mesh, const Json& marker) {
+    if (!marker.contains("vertices")) return count_vertices(mesh);
+    const auto vertices = marker.at("vertices").get<std::uint64_t>();  // of the adaptation's result
+    return {vertices, vertices};
   }
 
   void report(const Json& marker) const {

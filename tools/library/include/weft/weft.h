@@ -635,6 +635,17 @@ WEFT_API Fields read_fields(const std::string& path);
 /// values that are not finite.
 WEFT_API Fields read_fields(const std::vector<std::string>& paths, std::size_t num_points,
                             const std::string& mesh_name = {});
+/// How many vertices a file has, as far as it says so without being held: of a mesh in several pieces, whose
+/// vertices are joined, the largest piece and the sum of all are bounds.
+struct VertexCount {
+  std::uint64_t least = 0, most = 0;
+};
+/// Reads of a volume mesh the numbers that it begins with, or all of it block by block where it has none.
+WEFT_API VertexCount count_vertices(const std::string& mesh);
+/// Checks a file of fields at the vertices of a mesh (`mesh_name` has `vertices`) as read_fields() does, and
+/// returns kinds and names alone: values are looked at block by block (those of .ply all at once).
+WEFT_API Fields check_field_file(const std::string& path, const VertexCount& vertices,
+                                 const std::string& mesh_name = {});
 /// Reads a metric for `mesh`.
 WEFT_API Metric read_metric(const std::string& path, const Mesh& mesh);
 /// Writes a mesh; fields go into the file where its format holds them, else into a .solb (.sol) beside it.

@@ -33,8 +33,9 @@ void name_fields(const std::string& file, SolutionData& solution) {
       solution.fields[f].name = solution.fields.size() == 1 ? stem : fmt::format("{}_{}", stem, f + 1);
 }
 
-std::string of_another_mesh(std::uint64_t length, const std::string& mesh_file, std::uint64_t num_points) {
-  return fmt::format("belongs to another mesh: it has {} vertices, {} has {}", length, mesh_file, num_points);
+std::string number_text(const VertexCount& count) {
+  return count.least == count.most ? std::to_string(count.least)
+                                   : fmt::format("{} to {}", count.least, count.most);
 }
 
 /// Checks and names.
@@ -48,15 +49,27 @@ void add_fields(const std::string& file, SolutionData&& solution, std::uint64_t 
 
 }  // namespace
 
-void check_values(const std::string& file, const SolutionData& fields, std::uint64_t first_vertex) {
+std::string of_another_mesh(const VertexCount& has, const std::string& mesh_file,
+                            const VertexCount& vertices) {
+  return fmt::format("belongs to another mesh: it has {} vertices, {} has {}", number_text(has), mesh_file,
+                     number_text(vertices));
+}
+
+InputError not_finite(const std::string& file, std::size_t field, std::uint64_t vertex,
+                      const std::string& piece) {
+  return {file, fmt::format("{}field {}", piece, field),
+          fmt::format("vertex {}: not a finite number", vertex + 1)};
+}
+
+void check_values(const std::string& file, const SolutionData& fields, std::uint64_t first_vertex,
+                  const std::string& piece) {
   for (std::size_t f = 0; f < fields.fields.size(); ++f) {
     const Field& field = fields.fields[f];
     const auto bad = std::ranges::find_if(field.values, [](double x) { return !std::isfinite(x); });
     if (bad == field.values.end()) continue;
     const auto vertex = first_vertex + static_cast<std::uint64_t>(bad - field.values.begin()) /
                                            static_cast<std::uint64_t>(meshing::components(field.kind));
-    throw InputError(file, fmt::format("field {}", f + 1),
-                     fmt::format("vertex {}: not a finite number", vertex + 1));
+    throw not_finite(file, f + 1, vertex, piece);
   }
 }
 
@@ -83,7 +96,9 @@ SolutionData read_all_fields(const std::vector<std::string>& files, std::size_t 
   for (const std::string& file : files) {
     SolutionData solution = meshing::read_solution(file);
     if (solution.num_points != num_points)
-      throw InputError(file, "", of_another_mesh(solution.num_points, mesh_file, num_points));
+      throw InputError(
+          file, "",
+          of_another_mesh({solution.num_points, solution.num_points}, mesh_file, {num_points, num_points}));
     add_fields(file, std::move(solution), 0, all);
   }
   return all;
@@ -94,7 +109,7 @@ SolutionData read_fields_of_slice(partition::Peers& peers, const std::vector<std
   SolutionData all{slice.points.size(), {}};
   for (const std::string& file : files) {
     SolutionData solution = read_fields_share(peers, file, slice, [&](std::uint64_t length) {
-      return of_another_mesh(length, mesh_file, slice.num_points);
+      return of_another_mesh({length, length}, mesh_file, {slice.num_points, slice.num_points});
     });
     partition::agree_on(peers, [&] { add_fields(file, std::move(solution), slice.first_point, all); });
   }

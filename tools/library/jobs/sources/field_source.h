@@ -24,8 +24,15 @@ Fields read_fields_of_slice(partition::Peers& peers, const std::vector<std::stri
                             const partition::MeshSlice& slice, const std::string& mesh_file);
 
 /// Throws InputError naming file, field and vertex for values that are no finite numbers. `first_vertex`,
-/// from 0: what the first of these is in the file.
-void check_values(const std::string& file, const Fields& fields, std::uint64_t first_vertex = 0);
+/// from 0: what the first of these is in the file, or in a piece of it, which `piece` names ("piece 2, ").
+void check_values(const std::string& file, const Fields& fields, std::uint64_t first_vertex = 0,
+                  const std::string& piece = {});
+/// What that throws of a field, counted from 1, and a vertex, from 0.
+InputError not_finite(const std::string& file, std::size_t field, std::uint64_t vertex,
+                      const std::string& piece = {});
+/// The reason why fields at so many vertices are refused.
+std::string of_another_mesh(const VertexCount& has, const std::string& mesh_file,
+                            const VertexCount& vertices);
 
 /// Warns of fields that the input itself holds and that are left behind, since no --field is given: not of
 /// the metric, which a result has anew. `own`: their kinds and names.
