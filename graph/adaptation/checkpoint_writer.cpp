@@ -43,7 +43,6 @@ void CheckpointWriter::lock() {
 
 void CheckpointWriter::begin(const CheckpointManifest& manifest) {
   manifest_ = manifest;
-  manifest_.file_sizes.assign(static_cast<std::size_t>(ranks_), 0);
   constexpr double kFirst = 10;  // seconds
   schedule(std::min(every_, kFirst));
   pending_ = false;
@@ -224,7 +223,7 @@ void CheckpointWriter::write_manifest(const fs::path& folder) {
   CheckpointManifest manifest = manifest_;
   std::uint64_t bytes = 0;
   for (int r = 0; r < ranks_; ++r)
-    bytes += manifest.file_sizes[static_cast<std::size_t>(r)] = fs::file_size(folder / rank_file(r));
+    bytes += manifest.file_sizes.emplace_back(fs::file_size(folder / rank_file(r)));
   sync_folder(folder);
   meshing::AtomicFile file(folder / kManifestName);
   file.write(manifest.text());
