@@ -235,10 +235,8 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
 /// All ranks come to the same conclusion.
 void DistributedRun::check_room(const std::string& name, Report& report) {
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
-  const std::vector<double> mine = {
-      room_of_rank(runtime_->ranks(), options_.run.max_memory).value_or(kUnknown)};
-  double least = kUnknown;
-  for (const auto& room : partition::allgather(*peers_, mine)) least = std::min(least, room[0]);
+  const double mine = room_of_rank(runtime_->ranks(), options_.run.max_memory).value_or(kUnknown);
+  const double least = partition::min(*peers_, std::vector{mine})[0];
   check_size_of_parts(name, rank_.plan.expected_complexity, options_.run, report.input_counts,
                       rank_.plan.subdomains, runtime_->ranks(),
                       least < kUnknown ? std::optional(least) : std::nullopt, report.predicted);
