@@ -35,7 +35,7 @@ enum class FrameKind : std::uint8_t {
   waits,      ///< to rank 0: who waits here for whom
   heartbeat,  ///< to the next rank: this rank lives, and is in this run
   leaving,    ///< to the next rank: and is in it no more
-  bulletin,   ///< to rank 0: how far this rank is
+  bulletin,   ///< to the parent in the tree of ranks: how far this rank and those below it are
   notice,     ///< RuntimeOptions::notice has been set
   snapshot,   ///< of RuntimeOptions::snapshots
   clock,      ///< to the parent in the tree of ranks: what time is it at rank 0; and the answer

@@ -62,6 +62,24 @@ struct Verdict {
   }
 };
 
+/// Of a rank and those below it in the tree. A later one has a higher number: packets may overtake each
+/// other.
+struct Bulletin {
+  std::uint64_t number = 0;
+  Payload said;
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(number, said);
+  }
+};
+
+/// A bulletin is joined with others more than once.
+Payload copy_of(const Payload& payload) {
+  Packer packer;  // leaves what it packs
+  packer(payload);
+  return unpacked<Payload>(packer.take());
+}
+
 }  // namespace
 
 class Runtime::Implementation final : private BalanceActions {
@@ -95,7 +113,10 @@ class Runtime::Implementation final : private BalanceActions {
     stop_reason_ = reason;
     transport_.wake();
   }
-  void set_bulletins(Bulletins bulletins) { options_.bulletins = std::move(bulletins); }
+  void set_bulletins(Bulletins bulletins) {
+    options_.bulletins = std::move(bulletins);
+    bulletins_.clear();
+  }
   Scheduler& scheduler() { return scheduler_; }
   void request_state() noexcept {
     state_requested_ = true;
@@ -139,6 +160,8 @@ class Runtime::Implementation final : private BalanceActions {
   std::optional<WaveCount> count_if_passive();
   void watch_peers(TimePoint time);
   void tell_bulletin(TimePoint time);
+  void hear_bulletin(Rank from, Bulletin bulletin);
+  Payload joined_bulletins() const;
   void show_state(TimePoint time);
   void spread_notice();
   void notice_failures();
@@ -216,6 +239,9 @@ class Runtime::Implementation final : private BalanceActions {
   bool clock_known_ = false;  ///< in this gathering: clock_offset_ has been read
   std::vector<std::pair<Rank, ClockReading>> asked_too_early_;
   std::int64_t clock_offset_ = 0;
+  std::map<Rank, Bulletin> bulletins_;               ///< the latest of this rank and of each child
+  std::uint64_t last_bulletin_ = 0;                  ///< number of the latest of this rank
+  bool bulletin_is_due_ = false;                     ///< the parent does not know one of them
   std::vector<std::pair<std::string, long>> calls_;  ///< network calls in the loops
 };
 
@@ -346,8 +372,7 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
       before_left_ = std::max(before_left_, unpacked<std::uint64_t>(std::move(payload)));
       return;
     case FrameKind::bulletin:
-      if (options_.bulletins.read) options_.bulletins.read(from, std::move(payload));
-      return;
+      return hear_bulletin(from, unpacked<Bulletin>(std::move(payload)));
     case FrameKind::snapshot:
       if (!snapshots_) throw std::runtime_error("a rank takes snapshots, and this one does not");
       return snapshots_->receive(from, unpacked<SnapshotMessage>(std::move(payload)));
@@ -389,12 +414,27 @@ void Runtime::Implementation::tell_bulletin(TimePoint time) {
   const Bulletins& bulletins = options_.bulletins;
   if (bulletins.period.count() == 0 || time < next_bulletin_) return;
   next_bulletin_ = time + duration_cast<nanoseconds>(bulletins.period).count();
-  Payload news = bulletins.write();
-  if (rank().value == 0) {
-    bulletins.read(rank(), std::move(news));
-  } else if (news.size() > 0) {
-    exchange_.post(Rank(0), FrameKind::bulletin, std::move(news));
+  const std::uint64_t number = ++last_bulletin_;
+  if (Payload mine = bulletins.write(); mine.size() > 0) hear_bulletin(rank(), {number, std::move(mine)});
+  if (!parent().valid()) return bulletins.read(joined_bulletins());
+  if (std::exchange(bulletin_is_due_, false))
+    exchange_.post(parent(), FrameKind::bulletin, packed(Bulletin{number, joined_bulletins()}));
+}
+
+void Runtime::Implementation::hear_bulletin(Rank from, Bulletin bulletin) {
+  Bulletin& latest = bulletins_[from];
+  if (bulletin.number <= latest.number) return;
+  latest = std::move(bulletin);
+  bulletin_is_due_ = true;
+}
+
+Payload Runtime::Implementation::joined_bulletins() const {
+  Payload all;
+  for (const auto& [from, bulletin] : bulletins_) {
+    Payload said = copy_of(bulletin.said);
+    all = all.size() == 0 ? std::move(said) : options_.bulletins.join(std::move(all), std::move(said));
   }
+  return all;
 }
 
 void Runtime::Implementation::show_state(TimePoint time) {

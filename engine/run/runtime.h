@@ -48,14 +48,19 @@ void print_failure(const std::string& what);
 /// Writes the text to stderr, whole.
 void print_state(const std::string& text);
 
-/// How ranks let rank 0 know how far they are while a run lasts. Nobody waits for it, the end of the run does
-/// not depend on it, and what is told last may be lost when the run ends. Both functions are called by the
-/// communication thread, so they should return soon.
+/// How ranks let rank 0 know how far they are while a run lasts. A rank joins what it and its children in a
+/// binary tree of the ranks have said last, and says that to its parent: at most one message a rank and
+/// period, whatever the number of ranks; rank 0 hears of a rank as many periods late as the tree has levels
+/// between. Nobody waits for it, the end of the run does not depend on it, and what is told last may be lost
+/// when the run ends. All functions are called by the communication thread, so they should return soon.
 struct Bulletins {
   std::chrono::milliseconds period{0};  ///< 0: there are none
-  std::function<Payload()> write;       ///< on every rank: what is new; nothing is sent where it is empty
-  /// On rank 0, for each that has come; its own it reads in every period, also an empty one.
-  std::function<void(Rank from, Payload)> read;
+  /// On every rank, in every period: how far it is, which takes the place of what it has said before. Empty:
+  /// that holds still. Nothing is sent where a rank and those below it have nothing new.
+  std::function<Payload()> write;
+  std::function<Payload(Payload mine, Payload more)> join;
+  /// On rank 0, in every period: of all ranks that it has heard of; empty where they have said nothing.
+  std::function<void(Payload)> read;
 };
 
 struct RuntimeOptions {

@@ -453,7 +453,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
     d.starts.clear();
     result.resumed = restore_latest(runtime, peers, plan, options.resume, result.warnings).folder;
     dataflow::visit<SubdomainTask>(runtime,
-                                   [&](SubdomainTask::Ref, SubdomainTask& task) { task.tell(rank); });
+                                   [&](SubdomainTask::Ref, SubdomainTask& task) { task.tell_first(rank); });
     result.planned = neighbours_here(runtime);
     if (plan.pauses)
       result.checks = checked.resume();

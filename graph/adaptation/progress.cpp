@@ -1,4 +1,4 @@
-// The latest news, and estimates that say what they do not know.
+// Sums of the latest reports, and estimates that say what they do not know.
 #include "graph/adaptation/progress.h"
 
 #include <algorithm>
@@ -20,71 +20,121 @@ double shifts_after(std::uint32_t more, double ratio) {
   return sum;
 }
 
+/// Adds the report, or takes it away.
+void count(ProgressSums& sums, const SubdomainProgress& report, int sign) {
+  if (sums.steps.size() <= report.step) sums.steps.resize(report.step + 1);
+  const bool through = report.rests || report.done >= 1;
+  const double tets = sign * report.predicted_tets;
+  sums.steps[report.step] += {sign,
+                              through ? sign : 0,
+                              report.rests ? sign : 0,
+                              tets,
+                              through ? tets : tets * static_cast<double>(report.done),
+                              report.rests ? tets : 0};
+}
+
+std::uint64_t at_least_0(std::uint64_t modulo) {
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, static_cast<std::int64_t>(modulo)));
+}
+
+meshing::Nonconforming at_least_0(const meshing::Nonconforming& n) {
+  return {at_least_0(n.tets), at_least_0(n.poor_tets), at_least_0(n.long_edges), at_least_0(n.short_edges)};
+}
+
 }  // namespace
 
-void ProgressBoard::post(const SubdomainProgress& news) {
-  const std::lock_guard lock(mutex_);
-  latest_[news.subdomain] = news;
+ProgressSums::Step& ProgressSums::Step::operator+=(const Step& other) {
+  subdomains += other.subdomains;
+  done += other.done;
+  at_rest += other.at_rest;
+  tets += other.tets;
+  tets_done += other.tets_done;
+  tets_at_rest += other.tets_at_rest;
+  return *this;
 }
 
-std::vector<SubdomainProgress> ProgressBoard::take() {
-  const std::lock_guard lock(mutex_);
-  std::vector<SubdomainProgress> news;
-  news.reserve(latest_.size());
-  for (const auto& [subdomain, latest] : latest_) news.push_back(latest);
-  latest_.clear();
-  return news;
+void ProgressSums::replace(const std::optional<SubdomainProgress>& before, const SubdomainProgress& now) {
+  if (before) {
+    count(*this, *before, -1);
+    left -= before->left;
+  }
+  count(*this, now, 1);
+  left += now.left;
 }
 
-ProgressTable::ProgressTable(std::uint32_t subdomains, std::uint32_t most_shifts, engine::TimePoint begin)
+ProgressSums& ProgressSums::operator+=(const ProgressSums& other) {
+  if (steps.size() < other.steps.size()) steps.resize(other.steps.size());
+  for (std::size_t s = 0; s < other.steps.size(); ++s) steps[s] += other.steps[s];
+  left += other.left;
+  return *this;
+}
+
+void ProgressBoard::post(const std::optional<SubdomainProgress>& before, const SubdomainProgress& now) {
+  const std::lock_guard lock(mutex_);
+  sums_.replace(before, now);
+  is_new_ = true;
+}
+
+std::optional<ProgressSums> ProgressBoard::take() {
+  const std::lock_guard lock(mutex_);
+  if (!std::exchange(is_new_, false)) return {};
+  return sums_;
+}
+
+ProgressEstimator::ProgressEstimator(std::uint32_t subdomains, std::uint32_t most_shifts,
+                                     engine::TimePoint begin)
     : subdomains_(subdomains), most_shifts_(most_shifts), begin_(begin) {}
 
-void ProgressTable::hear(const std::vector<SubdomainProgress>& news) {
-  for (const SubdomainProgress& n : news) {
-    const auto [known, first] = known_.try_emplace(n.subdomain, n);
-    if (!first && n.number > known->second.number) known->second = n;
+/// Those that are through a step, or were at rest before; `subdomains` and `tets`: all.
+ProgressSums::Step ProgressEstimator::through(std::uint32_t step) const {
+  ProgressSums::Step sum;
+  for (std::uint32_t s = 0; s < sums_.steps.size(); ++s) {
+    const ProgressSums::Step& those = sums_.steps[s];
+    sum.subdomains += those.subdomains;
+    sum.tets += those.tets;
+    sum.done += s > step ? those.subdomains : s == step ? those.done : those.at_rest;
+    sum.tets_done += s > step ? those.tets : s == step ? those.tets_done : those.tets_at_rest;
+    sum.at_rest += those.at_rest;
   }
+  return sum;
 }
 
 /// Those that nobody has heard of have not begun. Never less than it was: one that rests may be woken for a
 /// round that others are already through.
-std::uint32_t ProgressTable::slowest_step() const {
-  if (known_.size() < subdomains_) return 0;
-  std::optional<std::uint32_t> slowest;
-  for (const auto& [subdomain, news] : known_)
-    if (!news.rests) slowest = std::min(slowest.value_or(news.step), news.step);
-  return std::max(step_, slowest.value_or(step_));
+std::uint32_t ProgressEstimator::slowest_step() const {
+  std::int64_t rest = 0, later = 0;  // of the steps up to one; beyond it
+  for (const ProgressSums::Step& those : sums_.steps) later += those.subdomains;
+  if (through(step_).at_rest >= subdomains_) return step_;
+  for (std::uint32_t s = 0; s < sums_.steps.size(); ++s) {
+    rest += sums_.steps[s].at_rest;
+    later -= sums_.steps[s].subdomains;
+    if (rest + later < subdomains_) return std::max(step_, s);
+  }
+  return step_;
 }
 
-double ProgressTable::share_of(std::uint32_t step) const {
-  double all = 0, done = 0;
-  for (const auto& [subdomain, news] : known_) {
-    all += news.predicted_tets;
-    if (news.rests || news.step > step)
-      done += news.predicted_tets;
-    else if (news.step == step)
-      done += static_cast<double>(news.done) * news.predicted_tets;
-  }
-  if (known_.empty() || all == 0) return 0;
-  const double of_those_unheard = static_cast<double>(subdomains_) / static_cast<double>(known_.size());
-  return done / (all * of_those_unheard);
+double ProgressEstimator::share_of(std::uint32_t step) const {
+  const ProgressSums::Step sum = through(step);
+  if (sum.subdomains <= 0 || sum.tets <= 0) return 0;
+  const double of_those_unheard = static_cast<double>(subdomains_) / static_cast<double>(sum.subdomains);
+  return std::clamp(sum.tets_done / (sum.tets * of_those_unheard), 0.0, 1.0);
 }
 
 /// The mean of what has been seen and of what is usual, which counts as one more.
-double ProgressTable::usual_ratio() const {
+double ProgressEstimator::usual_ratio() const {
   if (shifts_.empty()) return kUsualRatio;
   const double product = kUsualRatio * shifts_.back() / shifts_.front();
   return std::min(1.0, std::pow(product, 1 / static_cast<double>(shifts_.size())));
 }
 
-double ProgressTable::slowest_ratio() const {
+double ProgressEstimator::slowest_ratio() const {
   if (shifts_.size() < 2) return 1;
   double slowest = kLeastBound;
   for (std::size_t i = 1; i < shifts_.size(); ++i) slowest = std::max(slowest, shifts_[i] / shifts_[i - 1]);
   return std::min(1.0, slowest);
 }
 
-void ProgressTable::estimate(RunProgress& progress) const {
+void ProgressEstimator::estimate(RunProgress& progress) const {
   const double spent = progress.seconds - step_began_, gained = progress.share - share_at_begin_;
   double length = 0, most = 0;  // of this step
   if (spent >= kLeastSeconds && gained >= kLeastShare) {
@@ -102,7 +152,7 @@ void ProgressTable::estimate(RunProgress& progress) const {
   progress.most_left = std::max(0.0, most - spent) + most * shifts_after(more, slowest_ratio());
 }
 
-RunProgress ProgressTable::at(engine::TimePoint time) {
+RunProgress ProgressEstimator::at(engine::TimePoint time) {
   RunProgress progress;
   progress.subdomains = subdomains_;
   progress.most_shifts = most_shifts_;
@@ -116,12 +166,14 @@ RunProgress ProgressTable::at(engine::TimePoint time) {
     share_at_begin_ = share_of(step);
   }
   progress.step = step_;
-  for (const auto& [subdomain, news] : known_) {
-    progress.done += news.rests || news.step > step_ || (news.step == step_ && news.done >= 1);
-    progress.at_rest += news.rests;
-    progress.adapted += news.rests || news.step > 0 || news.done >= 1;
-    progress.left += news.left;
-  }
+  const auto number = [&](std::int64_t count) {
+    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(count, 0, subdomains_));
+  };
+  const ProgressSums::Step sum = through(step_);
+  progress.done = number(sum.done);
+  progress.at_rest = number(sum.at_rest);
+  progress.adapted = number(through(0).done);
+  progress.left = at_least_0(sums_.left);
   progress.share = share_of(step_);
   estimate(progress);
   return progress;

@@ -67,7 +67,6 @@ std::optional<SubdomainId> subdomain_of(const AdaptationPlan& plan, int ranks, e
 
 SubdomainTask::SubdomainTask(partition::Subdomain subdomain, double predicted_tets)
     : subdomain_(std::move(subdomain)), predicted_tets_(predicted_tets) {
-  news_.subdomain = subdomain_.id;
   news_.predicted_tets = predicted_tets;
 }
 
@@ -78,8 +77,14 @@ std::string SubdomainTask::describe() const {
 }
 
 void SubdomainTask::tell(const RankData& rank) {
-  ++news_.number;
-  if (rank.news) rank.news->post(news_);
+  if (!rank.news) return;
+  rank.news->post(told_, news_);
+  told_ = news_;
+}
+
+void SubdomainTask::tell_first(const RankData& rank) {
+  told_.reset();
+  tell(rank);
 }
 
 engine::Seconds SubdomainTask::seconds_to_adapt(double tets) {

@@ -170,8 +170,10 @@ class SubdomainTask {
   const std::optional<Pause>& paused() const { return paused_; }
   /// Ends the pause that it has made (AdaptationPlan::pauses), if any; to be started there.
   std::optional<Pause> release();
-  /// Tells the rank's board how far it is.
+  /// Tells the rank's board how far it is, in place of what it has told there or elsewhere.
   void tell(const RankData& rank);
+  /// The same of one that comes from a checkpoint: in this run it has told nothing.
+  void tell_first(const RankData& rank);
   /// How far it is, in words.
   std::string describe() const;
 
@@ -182,7 +184,7 @@ class SubdomainTask {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(subdomain_, predicted_tets_, wants_, priority_, neighbourhood_wants_, rests_, woken_for_, shifts_,
-            counts_, left_, news_, wanted_at_limit_, division_warning_, released_, paused_);
+            counts_, left_, news_, told_, wanted_at_limit_, division_warning_, released_, paused_);
   }
 
   // The nodes.
@@ -230,6 +232,7 @@ class SubdomainTask {
   meshing::OperationCounts counts_;
   meshing::NonconformingParts left_;  ///< after the last adaptation
   SubdomainProgress news_;
+  std::optional<SubdomainProgress> told_;  ///< the latest, on whatever rank
   std::uint64_t wanted_at_limit_ = 0;
   std::string division_warning_;
   Pause released_;               ///< the latest that it need not make any more: the first is over

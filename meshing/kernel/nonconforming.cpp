@@ -95,6 +95,14 @@ Nonconforming& Nonconforming::operator+=(const Nonconforming& other) {
   return *this;
 }
 
+Nonconforming& Nonconforming::operator-=(const Nonconforming& other) {
+  tets -= other.tets;
+  poor_tets -= other.poor_tets;
+  long_edges -= other.long_edges;
+  short_edges -= other.short_edges;
+  return *this;
+}
+
 NonconformingParts count_nonconforming(const TetMesh& mesh, std::uint8_t flags, std::uint32_t one_in) {
   Found found = Count(mesh, flags, one_in).run();
   count_edges(one_in, found);

@@ -15,6 +15,7 @@ struct Nonconforming {
   std::uint64_t short_edges = 0;  ///< shorter than 1/sqrt 2
 
   Nonconforming& operator+=(const Nonconforming& other);
+  Nonconforming& operator-=(const Nonconforming& other);  ///< modulo 2^64
   friend bool operator==(const Nonconforming&, const Nonconforming&) = default;
 };
 

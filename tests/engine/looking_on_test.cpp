@@ -1,4 +1,4 @@
-// Looking on while a run lasts: bulletins to rank 0, and the state that is shown on request.
+// Looking on while a run lasts: bulletins on their way to rank 0, and the state that is shown on request.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,8 +6,11 @@
 #include <map>
 #include <set>
 #include <thread>
+#include <vector>
 
+#include "engine/base/virtual_time.h"
 #include "engine/run/runtime.h"
+#include "engine/simulate/simulation.h"
 #include "tests/support/ranks.h"
 
 namespace weft::engine::looking_on_test {
@@ -25,6 +28,8 @@ INSTANTIATE_TEST_SUITE_P(Ranks, LookingOn, ::testing::ValuesIn(weft::testing::ra
 
 struct Sleeper {
   void sleep(Context&, int milliseconds) {
+    if (VirtualTime* simulated = VirtualTime::of_thread())
+      return simulated->spend(std::chrono::nanoseconds(std::chrono::milliseconds(milliseconds)).count());
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
   }
 };
@@ -35,15 +40,26 @@ Registry sleepers() {
   return registry;
 }
 
+/// By rank.
+using Numbers = std::map<int, int>;
+
+Payload join(Payload mine, Payload more) {
+  auto all = unpacked<Numbers>(std::move(mine));
+  all.merge(unpacked<Numbers>(std::move(more)));
+  return packed(all);
+}
+
 /// Every rank works for a tenth of a second and numbers its bulletins; returns those that rank 0 has read.
-std::map<Rank, std::vector<int>> bulletins_of_a_run(Transport& transport) {
-  std::map<Rank, std::vector<int>> heard;
+std::vector<Numbers> bulletins_of_a_run(Transport& transport) {
+  std::vector<Numbers> heard;
   int number = 0;
   const Registry registry = sleepers();
   RuntimeOptions options;
-  options.bulletins = {
-      2ms, [&] { return packed(number++); },
-      [&](Rank from, Payload payload) { heard[from].push_back(unpacked<int>(std::move(payload))); }};
+  options.bulletins = {2ms,
+                       [&] {
+                         return packed(Numbers{{transport.rank().value, number++}});
+                       },
+                       join, [&](Payload all) { heard.push_back(unpacked<Numbers>(std::move(all))); }};
   Runtime runtime(transport, registry, options);
   runtime.run([](Context& context) { context.invoke<&Sleeper::sleep>(context.create<Sleeper>(), 100); });
   return heard;
@@ -74,11 +90,46 @@ TEST_P(LookingOn, ANoticeOfOneRankReachesAll) {
 
 TEST_P(LookingOn, RankZeroHearsOfAllWhileTheyWork) {
   on_ranks(GetParam(), [&](Transport& transport) {
-    const auto heard = bulletins_of_a_run(transport);
-    EXPECT_EQ(heard.size(), transport.rank() == Rank(0) ? static_cast<std::size_t>(GetParam()) : 0);
-    for (const auto& [from, numbers] : heard)
-      EXPECT_EQ(std::set(numbers.begin(), numbers.end()).size(), numbers.size());
+    const std::vector<Numbers> heard = bulletins_of_a_run(transport);
+    ASSERT_EQ(heard.empty(), transport.rank() != Rank(0));
+    if (heard.empty()) return;
+    EXPECT_EQ(heard.back().size(), static_cast<std::size_t>(GetParam()));
+    for (std::size_t i = 1; i < heard.size(); ++i)
+      for (const auto& [from, number] : heard[i - 1])
+        EXPECT_GE(heard[i].at(from), number) << "what was said later counts";
   });
+}
+
+/// A rank joins what its children say to its own, and hears of no other: rank 0 gets two bulletins.
+TEST(Bulletins, AreJoinedOnTheWayToRankZero) {
+  constexpr int kRanks = 100;
+  std::vector<std::set<int>> first_ranks(kRanks);  // of the bulletins that each rank got
+  std::size_t all = 0;                             // ranks that rank 0 has heard of
+  simulate({.ranks = kRanks, .measured = false}, [&](Transport& transport) {
+    const int rank = transport.rank().value;
+    const Registry registry = sleepers();
+    RuntimeOptions options;
+    options.balancer = no_balancing();
+    options.bulletins = {2ms,
+                         [&] {
+                           return packed(Numbers{{rank, 0}});
+                         },
+                         [&](Payload mine, Payload more) {
+                           auto others = unpacked<Numbers>(std::move(more));
+                           first_ranks[transport.rank().index()].insert(others.begin()->first);
+                           return join(std::move(mine), packed(std::move(others)));
+                         },
+                         [&](Payload payload) { all = unpacked<Numbers>(std::move(payload)).size(); }};
+    Runtime runtime(transport, registry, options);
+    runtime.run([](Context& context) { context.invoke<&Sleeper::sleep>(context.create<Sleeper>(), 100); });
+  });
+  EXPECT_EQ(all, static_cast<std::size_t>(kRanks));
+  for (int rank = 0; rank < kRanks; ++rank) {
+    std::set<int> children;
+    for (const int child : {2 * rank + 1, 2 * rank + 2})
+      if (child < kRanks) children.insert(child);
+    EXPECT_EQ(first_ranks[static_cast<std::size_t>(rank)], children) << "rank " << rank;
+  }
 }
 
 TEST_P(LookingOn, BulletinsThatAreLateDoNotHoldUpTheEnd) {
@@ -88,28 +139,32 @@ TEST_P(LookingOn, BulletinsThatAreLateDoNotHoldUpTheEnd) {
   });
 }
 
-TEST(Bulletins, WhatIsEmptyIsNotSentButRankZeroReadsItsOwn) {
+TEST(Bulletins, RankZeroReadsInEveryPeriodThoughNobodySaysAnything) {
   on_ranks(2, [&](Transport& transport) {
-    std::set<Rank> heard;
+    std::set<std::size_t> sizes;
     const Registry registry = sleepers();
     RuntimeOptions options;
-    options.bulletins = {2ms, [] { return Payload{}; }, [&](Rank from, Payload) { heard.insert(from); }};
+    options.bulletins = {2ms, [] { return Payload{}; }, join, [&](Payload all) { sizes.insert(all.size()); }};
     Runtime runtime(transport, registry, options);
     runtime.run([](Context& context) { context.invoke<&Sleeper::sleep>(context.create<Sleeper>(), 50); });
-    EXPECT_EQ(heard, transport.rank() == Rank(0) ? std::set{Rank(0)} : std::set<Rank>{});
+    EXPECT_EQ(sizes, transport.rank() == Rank(0) ? std::set<std::size_t>{0} : std::set<std::size_t>{});
   });
 }
 
 TEST(Bulletins, BeginWithTheNextRunWhereTheyAreSetLater) {
   on_ranks(2, [&](Transport& transport) {
-    std::set<Rank> heard;
+    Numbers heard;
     const Registry registry = sleepers();
     Runtime runtime(transport, registry);
     const auto work = [](Context& context) {
       context.invoke<&Sleeper::sleep>(context.create<Sleeper>(), 50);
     };
     runtime.run(work);
-    runtime.set_bulletins({2ms, [] { return packed(1); }, [&](Rank from, Payload) { heard.insert(from); }});
+    runtime.set_bulletins({2ms,
+                           [&] {
+                             return packed(Numbers{{transport.rank().value, 1}});
+                           },
+                           join, [&](Payload all) { heard = unpacked<Numbers>(std::move(all)); }});
     runtime.run(work);
     EXPECT_EQ(heard.size(), transport.rank() == Rank(0) ? 2u : 0u);
   });

@@ -1,62 +1,108 @@
-// What rank 0 makes of the subdomains' news: counts, the slowest step, and estimates that do not guess.
+// Sums of what subdomains tell, and what rank 0 makes of them: counts, the slowest step, and estimates that
+// do not guess.
 #include "graph/adaptation/progress.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace weft::graph::adaptation::progress_test {
 namespace {
 
 constexpr engine::TimePoint kSecond = 1'000'000'000;
 
-/// Sends news of subdomains by number, and asks at seconds since the begin.
+SubdomainProgress report(std::uint32_t step, float done = 0, bool rests = false) {
+  SubdomainProgress news{.step = step, .rests = rests, .done = done, .predicted_tets = 1000};
+  if (step > 0 || done == 1) news.left = {1000, 3, 20, 10};
+  return news;
+}
+
+/// Tells of subdomains by number, and asks at seconds since the begin.
 class Scene {
  public:
   explicit Scene(std::uint32_t subdomains, std::uint32_t most_shifts = 8)
-      : table_(subdomains, most_shifts, 100 * kSecond) {}
+      : estimator_(subdomains, most_shifts, 100 * kSecond), told_(subdomains) {}
 
   void at_step(std::uint32_t subdomain, std::uint32_t step, float done = 0, bool rests = false) {
-    SubdomainProgress news;
-    news.subdomain = partition::SubdomainId(subdomain);
-    news.number = ++number_;
-    news.step = step;
-    news.done = done;
-    news.rests = rests;
-    news.predicted_tets = 1000;
-    if (step > 0 || done == 1) news.left = {1000, 3, 20, 10};
-    table_.hear({news});
+    const SubdomainProgress now = report(step, done, rests);
+    sums_.replace(told_[subdomain], now);
+    told_[subdomain] = now;
+    estimator_.hear(sums_);
   }
   RunProgress at(double seconds) {
-    return table_.at(100 * kSecond + static_cast<engine::TimePoint>(seconds * 1e9));
+    return estimator_.at(100 * kSecond + static_cast<engine::TimePoint>(seconds * 1e9));
   }
 
  private:
-  ProgressTable table_;
-  std::uint32_t number_ = 0;
+  ProgressEstimator estimator_;
+  ProgressSums sums_;
+  std::vector<std::optional<SubdomainProgress>> told_;
 };
 
-TEST(ProgressBoard, KeepsTheLatestOfEachSubdomainUntilItIsTaken) {
+TEST(ProgressBoard, HasTheLatestOfAllWhenOneIsNew) {
   ProgressBoard board;
-  for (std::uint32_t number : {1u, 2u, 3u})
-    board.post({.subdomain = partition::SubdomainId(7), .number = number});
-  board.post({.subdomain = partition::SubdomainId(8), .number = 1});
-  auto news = board.take();
-  ASSERT_EQ(news.size(), 2u);
-  EXPECT_EQ(news[0].subdomain.value + news[1].subdomain.value, 15u);
-  EXPECT_EQ(news[0].number + news[1].number, 4u);
-  EXPECT_TRUE(board.take().empty());
+  EXPECT_FALSE(board.take());
+  board.post({}, report(0, 0.5));
+  board.post({}, report(2));
+  board.post(report(0, 0.5), report(1));
+  ProgressSums expected;
+  expected.replace({}, report(1));
+  expected.replace({}, report(2));
+  const auto sums = board.take();
+  ASSERT_TRUE(sums);
+  EXPECT_EQ(sums->steps, expected.steps);
+  EXPECT_EQ(sums->left, expected.left);
+  EXPECT_FALSE(board.take());
+  board.post(report(1), report(1, 1));
+  EXPECT_EQ(board.take()->steps[1].done, 1);
 }
 
-TEST(ProgressTable, NewsThatAreOvertakenDoNotCount) {
-  ProgressTable table(1, 8, 0);
-  table.hear({{.subdomain = partition::SubdomainId(0), .number = 5, .step = 2, .predicted_tets = 1}});
-  table.hear({{.subdomain = partition::SubdomainId(0), .number = 4, .step = 1, .predicted_tets = 1}});
-  EXPECT_EQ(table.at(kSecond).step, 2u);
+TEST(ProgressSums, AreOfASubdomainWhereverItHasTold) {
+  ProgressSums here, there, expected;
+  here.replace({}, report(1, 1));
+  there.replace({}, report(2));
+  there.replace(report(1, 1), report(3, 0, true));  // has moved
+  for (const std::uint32_t step : {2u, 3u}) expected.replace({}, report(step, 0, step == 3));
+  here += there;
+  EXPECT_EQ(here.steps, expected.steps);
+  EXPECT_EQ(here.left, expected.left);
 }
 
-TEST(ProgressTable, KnowsNothingAtFirst) {
+TEST(ProgressEstimator, CountsTooFewOfThoseThatMoveUntilBothRanksAreHeard) {
+  ProgressSums here, there;
+  there.replace({}, report(0, 1));
+  there.replace(report(1, 1), report(2));  // has come from here
+  ProgressEstimator estimator(2, 8, 0);
+  estimator.hear(there);
+  const RunProgress early = estimator.at(kSecond);
+  EXPECT_EQ(early.step, 0u);
+  EXPECT_EQ(early.done, 1u);
+  EXPECT_EQ(early.left.tets, 1000u);
+  EXPECT_LE(early.share, 1);
+  here.replace({}, report(0));
+  here.replace(report(0), report(1, 1));
+  estimator.hear(here += there);
+  const RunProgress late = estimator.at(2 * kSecond);
+  EXPECT_EQ(late.step, 0u);
+  EXPECT_EQ(late.done, 2u);
+  EXPECT_EQ(late.left.tets, 2000u);
+}
+
+TEST(ProgressEstimator, NothingIsLessThanNothing) {
+  ProgressSums sums;
+  sums.replace(report(1, 1, true), report(1));  // has moved, and nobody has heard of it before
+  ProgressEstimator estimator(2, 8, 0);
+  estimator.hear(sums);
+  const RunProgress progress = estimator.at(kSecond);
+  EXPECT_EQ(progress.at_rest, 0u);
+  EXPECT_EQ(progress.done, 0u);
+  EXPECT_EQ(progress.share, 0);
+}
+
+TEST(ProgressEstimator, KnowsNothingAtFirst) {
   Scene scene(4);
   const RunProgress progress = scene.at(10);
   EXPECT_EQ(progress.step, 0u);
@@ -67,7 +113,7 @@ TEST(ProgressTable, KnowsNothingAtFirst) {
   EXPECT_FALSE(progress.most_left);
 }
 
-TEST(ProgressTable, ExtrapolatesTheInteriorAndNothingBeyondIt) {
+TEST(ProgressEstimator, ExtrapolatesTheInteriorAndNothingBeyondIt) {
   Scene scene(4);
   scene.at_step(0, 1);
   EXPECT_FALSE(scene.at(1).step_left) << "too soon";
@@ -84,7 +130,7 @@ TEST(ProgressTable, ExtrapolatesTheInteriorAndNothingBeyondIt) {
   EXPECT_NEAR(scene.at(10).share, 0.375, 1e-9) << "the share that one has done of its step counts";
 }
 
-TEST(ProgressTable, EstimatesAndBoundsTheRestOnceThereWasAShift) {
+TEST(ProgressEstimator, EstimatesAndBoundsTheRestOnceThereWasAShift) {
   Scene scene(2, 5);
   for (std::uint32_t s : {0u, 1u}) scene.at_step(s, 1);
   EXPECT_FALSE(scene.at(20).step_left) << "the first shift has just begun";
@@ -100,7 +146,7 @@ TEST(ProgressTable, EstimatesAndBoundsTheRestOnceThereWasAShift) {
   EXPECT_NEAR(*half.most_left, 4 + 3 * 8, 1e-6);
 }
 
-TEST(ProgressTable, EstimatesByThePaceOfTheFirstShift) {
+TEST(ProgressEstimator, EstimatesByThePaceOfTheFirstShift) {
   Scene scene(2, 2);
   for (std::uint32_t s : {0u, 1u}) scene.at_step(s, 1);
   scene.at(20);
@@ -111,7 +157,7 @@ TEST(ProgressTable, EstimatesByThePaceOfTheFirstShift) {
   EXPECT_NEAR(*half.most_left, 4 + 8, 1e-6);
 }
 
-TEST(ProgressTable, GoesByHowMuchShorterShiftsHaveBecome) {
+TEST(ProgressEstimator, GoesByHowMuchShorterShiftsHaveBecome) {
   Scene scene(1, 5);
   for (const auto& [step, begin] : {std::pair(1u, 0.0), {2u, 40.0}, {3u, 60.0}, {4u, 70.0}}) {
     scene.at_step(0, step);
@@ -124,7 +170,7 @@ TEST(ProgressTable, GoesByHowMuchShorterShiftsHaveBecome) {
   EXPECT_NEAR(*progress.most_left, 10 + 7.5, 1e-6);
 }
 
-TEST(ProgressTable, BoundsByTheSlowestDecayThatWasSeen) {
+TEST(ProgressEstimator, BoundsByTheSlowestDecayThatWasSeen) {
   Scene scene(1, 4);
   for (const auto& [step, begin] : {std::pair(1u, 0.0), {2u, 10.0}, {3u, 19.0}}) {
     scene.at_step(0, step);
@@ -133,7 +179,7 @@ TEST(ProgressTable, BoundsByTheSlowestDecayThatWasSeen) {
   EXPECT_NEAR(*scene.at(19).most_left, 9 + 9 * 0.9, 1e-6);
 }
 
-TEST(ProgressTable, ThoseAtRestAreDoneAndHoldNobodyUp) {
+TEST(ProgressEstimator, ThoseAtRestAreDoneAndHoldNobodyUp) {
   Scene scene(3, 4);
   scene.at_step(0, 1, 1, true);
   scene.at_step(1, 3);
@@ -144,7 +190,7 @@ TEST(ProgressTable, ThoseAtRestAreDoneAndHoldNobodyUp) {
   EXPECT_EQ(progress.done, 2u);
 }
 
-TEST(ProgressTable, OneThatIsWokenDoesNotTurnTheStepBack) {
+TEST(ProgressEstimator, OneThatIsWokenDoesNotTurnTheStepBack) {
   Scene scene(2);
   scene.at_step(0, 3), scene.at_step(1, 1, 1, true);
   EXPECT_EQ(scene.at(1).step, 3u);
@@ -152,7 +198,7 @@ TEST(ProgressTable, OneThatIsWokenDoesNotTurnTheStepBack) {
   EXPECT_EQ(scene.at(2).step, 3u);
 }
 
-TEST(ProgressTable, NoTimeIsLeftBelowZero) {
+TEST(ProgressEstimator, NoTimeIsLeftBelowZero) {
   Scene scene(1, 2);
   scene.at_step(0, 1), scene.at(1);
   scene.at_step(0, 2), scene.at(2);

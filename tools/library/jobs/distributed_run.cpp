@@ -148,19 +148,22 @@ void DistributedRun::add_checkpoint(const std::string& text) {
     resume_.push_back(std::move(place));
 }
 
-/// The subdomains' news go to rank 0 twice a second.
+/// Twice a second, summed on the way to rank 0.
 engine::Bulletins DistributedRun::bulletins() {
+  using graph::adaptation::ProgressSums;
   return {std::chrono::milliseconds(500),
           [this] {
-            const auto news = news_.take();
-            return news.empty() ? engine::Payload{} : engine::packed(news);
+            const std::optional<ProgressSums> news = news_.take();
+            return news ? engine::packed(*news) : engine::Payload{};
           },
-          [this](engine::Rank, engine::Payload payload) {
-            if (!table_) return;  // a run before or after that of the adaptation
-            if (payload.size() > 0)
-              table_->hear(
-                  engine::unpacked<std::vector<graph::adaptation::SubdomainProgress>>(std::move(payload)));
-            const graph::adaptation::RunProgress now = table_->at(engine::now());
+          [](engine::Payload mine, engine::Payload more) {
+            auto sums = engine::unpacked<ProgressSums>(std::move(mine));
+            return engine::packed(sums += engine::unpacked<ProgressSums>(std::move(more)));
+          },
+          [this](engine::Payload all) {
+            if (!estimator_) return;  // a run before or after that of the adaptation
+            if (all.size() > 0) estimator_->hear(engine::unpacked<ProgressSums>(std::move(all)));
+            const graph::adaptation::RunProgress now = estimator_->at(engine::now());
             monitor_.tell({text_of(now), true, now.share, now.left.tets});
           }};
 }
@@ -226,7 +229,7 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   if (tells_) method.news = &news_;
   method.on_start = [this, subdomains = method.decomposition.num_subdomains, shifts = method.most_shifts] {
     before_loop_ = runtime_->summary();
-    if (first()) table_.emplace(subdomains, shifts, engine::now());
+    if (first()) estimator_.emplace(subdomains, shifts, engine::now());
   };
   method.on_end = [this] { after_loop_ = runtime_->summary(); };
   return method;
@@ -313,7 +316,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
     });
   });
   give_back_freed_memory();  // of messages and subdomains
-  table_.reset();
+  estimator_.reset();
   if (options_.run.verify && !report.left_as_is)
     on_threads([&] { partition::check_result(*peers_, result_.pieces); });
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());

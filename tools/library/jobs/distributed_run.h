@@ -116,7 +116,7 @@ class DistributedRun {
   Monitor monitor_;
   bool tells_ = false;  ///< rank 0 is to hear how far all ranks are
   graph::adaptation::ProgressBoard news_;
-  std::optional<graph::adaptation::ProgressTable> table_;  ///< on rank 0, while it adapts
+  std::optional<graph::adaptation::ProgressEstimator> estimator_;  ///< on rank 0, while it adapts
   graph::adaptation::RankData rank_;
   std::optional<graph::adaptation::CheckpointWriter> checkpoints_;
   std::vector<graph::adaptation::CheckpointPlace> resume_;  ///< of one run, the latest first
