@@ -38,7 +38,7 @@ class Peers {
     return all;
   }
 
-  /// At most so many ranks write to one file; the others hand them what they have of it.
+  /// At most so many ranks write to one file, or an eighth of all; the others hand them what they have of it.
   int most_writers() const { return most_writers_; }
   /// The same on all ranks, at least 1.
   void set_most_writers(int most) { most_writers_ = most; }

@@ -13,10 +13,14 @@
 namespace weft::partition {
 namespace {
 
-/// Neighbouring ranks share a writer, the first of them; all writers have as many ranks, but for one.
+/// Neighbouring ranks share a writer, the first of them; all writers have as many ranks, but for one. As many
+/// exchanges as a group has others hand over what these have, so groups do not grow with the ranks.
 struct Group {
+  static constexpr int kMostRanks = 8;
   explicit Group(const Peers& peers) {
-    const int ranks = peers.ranks(), writers = std::min(ranks, peers.most_writers());
+    const int ranks = peers.ranks(),
+              writers =
+                  std::min(ranks, std::max(peers.most_writers(), (ranks + kMostRanks - 1) / kMostRanks));
     const EvenShares groups(static_cast<std::uint64_t>(ranks), writers);
     const auto mine = groups.rank_of(static_cast<std::uint64_t>(peers.rank()));
     first = static_cast<int>(groups.first(mine));

@@ -457,7 +457,7 @@ typedef struct weft_replay_settings {
   const char* balancer;
   double slowdown;         /* of every task */
   double grow;             /* so many times the tets in each subdomain */
-  int64_t subdomain_bytes; /* of one that moves; 0: by the recording */
+  int64_t subdomain_bytes; /* memory of one; 0: by the recording */
   int32_t processor_times; /* 1: tasks take their processor time */
   int32_t copies;          /* so many times the recorded mesh */
   int32_t split;           /* so many times the subdomains of the mesh */
