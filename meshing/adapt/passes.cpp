@@ -253,7 +253,12 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
     for (int i = 0; i < 3; ++i) {
       const VertexId a = v[kTetFaces[f][i]], b = v[kTetFaces[f][(i + 1) % 3]];
       if (!curves_too_much(w.kernel, a, b, patch)) continue;
-      const Verdict r = split_edge(w, t, a, b, {limits.finest_split_shortest});
+      Verdict r = split_edge(w, t, a, b, {limits.finest_split_shortest});
+      if (r == Verdict::too_short && limits.shortest_at_curved < limits.finest_split_shortest &&
+          length_between(w.mesh, a, b) > limits.finest_long_edge) {
+        w.counts.add(Operator::split, r);
+        r = split_edge(w, t, a, b, {limits.shortest_at_curved});
+      }
       if (r == Verdict::accepted || r == Verdict::conflict) return r;
       w.counts.add(Operator::split, r);
       if (r == Verdict::inverts || r == Verdict::worsens_quality) behind[refused++] = {a, b};

@@ -428,16 +428,23 @@ class Adaptation {
 
   void reconnect_and_smooth() {
     constexpr std::size_t kRoundsWithLengths = 4;
+    // A vertex near a long edge of curved boundary would keep it from being split for ever, most often a
+    // circle at which two subdomains met: the new vertex takes the near one in, in the rounds that follow.
+    constexpr std::size_t kCrowdedSplitsFrom = 1;
+    constexpr double kOfCrowded = 0.2;
+    const double shortest_at_curved = kernel_.limits.shortest_at_curved;
     renumber_if_grown(kGrownALittle);
     for (std::size_t round = 0; round < work::kReconnect.size() && !interrupted(); ++round) {
       end_pass();
       const PredictedWork last = predict_work(tets(), tets());
       meter_.expect(work::reconnection(round, tets()) + last.improve + last.output);
+      if (round == kCrowdedSplitsFrom) kernel_.limits.shortest_at_curved *= kOfCrowded;
       if (round < kRoundsWithLengths)
         polish(work::kReconnect[round]);
       else
         polish_quality(work::kReconnect[round]);
     }
+    kernel_.limits.shortest_at_curved = shortest_at_curved;
   }
 
   void polish(double work_of_tet) {

@@ -29,6 +29,8 @@ struct Limits {
   double short_edge = 0.70710678118654752;        ///< collapse below
   double collapse_longest = 1.41421356237309505;  ///< a collapse creates no edge longer than this
   double split_shortest = 0.5;                    ///< a split creates no edge shorter than this
+  double shortest_at_curved = 0.5;  ///< so much in the place of finest_split_shortest, where smaller, of long
+                                    ///< boundary edges that curve too much
   double split_quality =
       0.05;  ///< a split may lower quality down to this, or to this share of the worst before
   double collapse_quality = 0.3;  ///< a collapse may lower the worst quality to this
@@ -43,8 +45,9 @@ struct Limits {
 
 inline Limits Limits::coarser(double factor) const {
   Limits limits = *this;
-  for (double* length : {&limits.long_edge, &limits.finest_long_edge, &limits.finest_split_shortest,
-                         &limits.short_edge, &limits.collapse_longest, &limits.split_shortest})
+  for (double* length :
+       {&limits.long_edge, &limits.finest_long_edge, &limits.finest_split_shortest, &limits.short_edge,
+        &limits.collapse_longest, &limits.split_shortest, &limits.shortest_at_curved})
     *length *= factor;
   return limits;
 }
