@@ -46,6 +46,30 @@ class Adapt(CommandTest):
         self.assertNotIn("stay short", text)
         self.assertNotIn("made finer", text)
 
+    def test_warns_where_the_boundary_is_farther_from_its_surface_than_allowed(self):
+        """A ball of large triangles that may not be split."""
+        self.weft("mesh", "ball", "-o", "ball.meshb", "--size", "0.4")
+        words = ("ball.meshb", "--metric-fn", "uniform:0.4", "--hausd", "0.0005", "--no-insert", "--report", "report")
+        for more in ((), ("--subdomains", "3")):
+            with self.subTest(more):
+                done = self.adapt(*words, *more, expect=(0, 1))
+                self.assertRegex(done.stdout + done.stderr, r"farther than the 0.0005 that --hausd allows")
+                report = json.loads((self.folder / "report" / "report.json").read_text())
+                self.assertRegex("\n".join(report["warnings"]), r"is up to 0\.\d+ from its surface, farther")
+
+    def test_keeps_the_boundary_near_its_surface_or_says_that_it_is_not(self):
+        """Circles at which subdomains met were left with edges of twice the length that hausd allows."""
+        for body, size in (("cylinder", "0.3"), ("ball", "0.3")):
+            self.weft("mesh", body, "-o", "body.meshb", "--size", size)
+            for complexity in ("200", "500"):
+                for subdomains in ("1", "2", "3", "4", "6", "8", "12"):
+                    with self.subTest(body=body, complexity=complexity, subdomains=subdomains):
+                        self.adapt("body.meshb", "--metric-fn", "polar-2", "--complexity", complexity, "--subdomains",
+                                   subdomains, "--threads", "1", "--report", "report", expect=(0, 1))
+                        report = json.loads((self.folder / "report" / "report.json").read_text())
+                        far = report["surface_deviation"] > 1.01 * report["hausd"]
+                        self.assertEqual(far, "from its surface" in "\n".join(report["warnings"]), report["warnings"])
+
     def test_makes_the_metric_as_fine_as_a_curved_boundary_needs(self):
         self.weft("mesh", "ball", "-o", "ball.meshb", "--size", "0.15")
         words = ("ball.meshb", "--metric-fn", "uniform:0.4", "--complexity", "150", "--hausd", "0.01", "--report", "report")

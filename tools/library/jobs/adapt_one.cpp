@@ -148,6 +148,7 @@ class OneMesh {
     if (result_.cancelled) result_.ended_by = text_of(monitor_.reason());
     result_.warnings.insert(result_.warnings.end(), report.warnings.begin(), report.warnings.end());
     if (result_.model) warn_of_faults(*result_.model, result_.warnings);
+    warn_of_deviation(result_.surface_deviation, result_.hausd, result_.warnings);
     result_.output_counts = count(result_.mesh);
     work_->adapted(static_cast<double>(result_.output_counts.tets));
     result_.times.adapt = watch_.lap();

@@ -333,6 +333,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
   report.ended_by = text_of(reason);
   report.surface_deviation = partition::max(*peers_, result_.surface_deviation);
   report.hausd = rank_.plan.hausd;
+  warn_of_deviation(report.surface_deviation, report.hausd, report.warnings);
   if (model_) {
     ModelAccount account = meshing::account_of(*model_, partition::sum_on_model(*peers_, result_.on_model));
     account.input = result_.input_on_model;

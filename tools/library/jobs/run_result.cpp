@@ -114,6 +114,14 @@ void warn_of_uncovered(const meshing::Uncovered& uncovered, std::uint64_t vertic
                   uncovered.vertices == 1 ? "lies" : "lie", uncovered.farthest));
 }
 
+void warn_of_deviation(double deviation, double hausd, std::vector<std::string>& warnings) {
+  constexpr double kFarther = 1.01;
+  if (!(deviation > kFarther * hausd)) return;
+  warnings.push_back(fmt::format(
+      "the boundary is up to {:.3g} from its surface, farther than the {:.3g} that --hausd allows", deviation,
+      hausd));
+}
+
 std::string begun_anew(const std::string& folder) {
   return fmt::format("{} holds no complete checkpoint: the run has begun anew", folder);
 }

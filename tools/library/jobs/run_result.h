@@ -44,6 +44,9 @@ std::vector<std::string> worse_on_model(const meshing::ModelAccount& model);
 /// Adds how many vertices are off the model and how many triangles turned against it, how far and where.
 void warn_of_faults(const meshing::ModelAccount& model, std::vector<std::string>& warnings);
 
+/// Adds that the boundary is farther from its reconstructed surface than was wanted at most, where it is.
+void warn_of_deviation(double deviation, double hausd, std::vector<std::string>& warnings);
+
 /// The warning of a run that was to go on from checkpoints in a folder that has none.
 std::string begun_anew(const std::string& folder);
 
