@@ -78,7 +78,7 @@ program reach
 
   ! A recorded run, on another machine too.
   call check(weft_options_set(options, "subdomains", 2))
-  call check(weft_adapt_files("start.meshb", "parts.meshb", options, result, report="parts", page=.false.))
+  call check(weft_adapt_files("start.meshb", "parts.meshb", options, result, report="parts"))
   call check(weft_free(result))
   call check(weft_replay("parts/graph.json", text, why, ranks=2, network="5us,1GB/s", balancer="diffusion", &
                          account="replay.json"))

@@ -215,7 +215,7 @@ def test_recorded_runs_are_replayed_drawn_and_compared_as_by_the_command(tmp_pat
     weft.report_page(profile, tmp_path / "page.html")
     assert (tmp_path / "page.html").read_bytes() == (tmp_path / "run/report.html").read_bytes()
     differences = weft.compare_reports(profile, tmp_path / "finer/profile.json", page=tmp_path / "both.html")
-    assert differences == run(tmp_path, "report", "run/profile.json", "finer/profile.json") and (tmp_path / "both.html").exists()
+    assert differences == run(tmp_path, "report", profile, tmp_path / "finer/profile.json") and (tmp_path / "both.html").exists()
     for wrong in dict(ranks=0), dict(balancer="none of them"), dict(subdomain_bytes=-1):
         with pytest.raises(weft.OptionError, match="--" + next(iter(wrong)).replace("_", "-")):
             weft.replay(graph, **wrong)

@@ -249,10 +249,8 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
       ->transform(one_of(connections))
       ->type_name("KIND")
       ->group(kGroup);
-  sub.add_option(
-         "--shifts", command.shifts,
-         "auto (default: until the whole interface is adapted, at most 12) or at most N, beside those to "
-         "coarser metrics")
+  sub.add_option("--shifts", command.shifts,
+                 "auto (default: until all is adapted, at most 12) or N, beside coarse ones")
       ->type_name("N")
       ->check(number_or_auto())
       ->group(kGroup);
