@@ -212,7 +212,8 @@ def adapt_files(input: _Path, output: _Path, *, fields: Sequence[_Path] = (), ba
     """From file to file, as `weft adapt INPUT -o OUTPUT` does; metric="FILE", sol=["FILE", ...] and the other options
     of the command say what the metric is.
 
-    report: folder for report.json and (page) report.html and profile.json; case: published figures to show there.
+    report: folder for report.json and (page) report.html, profile.json and, in subdomains,
+    graph.json; case: published figures to show there.
     graph, trace: files for the task graph and a timeline, of runs in subdomains. simulate_ranks: so many ranks that
     this thread simulates, on a network, with processors slower by a factor and, unless 0, so many cores that they
     share; the result is a SimulatedFilesResult.

@@ -299,7 +299,8 @@ typedef struct weft_file_settings {
   const char* background;    /* the mesh that the metric belongs to; NULL: the input */
   const char* const* fields; /* files of fields at the vertices of the input, carried along */
   int64_t num_fields;
-  const char* report; /* folder for report.json and, unless page is 0, report.html and profile.json */
+  const char* report; /* folder for report.json and, unless page is 0, report.html, profile.json and (in
+                         subdomains) graph.json */
   int32_t page;
   const char* case_name;        /* published figures to show beside */
   const char *graph, *trace;    /* files for the task graph and for a timeline: in subdomains */
