@@ -24,6 +24,8 @@ import sys
 import tempfile
 import time
 
+from ranks import is_weft, ranks_of
+
 SECONDS = 300  # far above what any of these takes
 AT_START = 0.3  # that mpirun takes until its ranks begin
 OF_MPIRUN = 1  # Open MPI's mpirun waits that long after a rank has ended with another code than 0
@@ -188,22 +190,6 @@ class Run:
         self.verify()
         self.kinds["ended by its limit" if "time limit" in self.log() else "done before its limit"] += 1
         self.kinds["valid mesh"] += 1
-
-
-def ranks_of(pid):
-    """The processes of weft that this mpirun has started, itself (Open MPI) or by a process in between (MPICH)."""
-    try:
-        children = [int(child) for child in pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
-    except OSError:
-        return []
-    return [rank for child in children for rank in ([child] if is_weft(child) else ranks_of(child))]
-
-
-def is_weft(pid):
-    try:
-        return b"weft" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")[0]
-    except OSError:
-        return False
 
 
 def strike(*pids):

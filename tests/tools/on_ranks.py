@@ -3,8 +3,13 @@
 import os
 import pathlib
 import subprocess
+import sys
 
 from command import WEFT, CommandTest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "scripts"))
+
+from ranks import is_weft, ranks_of  # noqa: E402, F401: for the tests on ranks
 
 MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
 LONG = bool(os.environ.get("WEFT_LONG_TESTS"))  # scripts/nightly.sh: on all numbers of ranks
@@ -15,23 +20,6 @@ def some_of(ranks, turn):
     """Of several numbers of ranks those that turn `turn` (from 0) of a loop over cases is run on: all in the first turn and in
     long tests, else one, by turns: each run of mpirun takes a second."""
     return ranks if LONG or turn == 0 else (ranks[turn % len(ranks)],)
-
-
-def ranks_of(pid):
-    """The processes of weft that this mpirun has started, itself (Open MPI) or by a process in between (MPICH)."""
-    try:
-        children = [int(child) for child in pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
-    except OSError:
-        return []
-    return [rank for child in children for rank in ([child] if is_weft(child) else ranks_of(child))]
-
-
-def is_weft(pid):
-    """False too for a process that has ended."""
-    try:
-        return pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")[0] == os.fsencode(WEFT)
-    except OSError:
-        return False
 
 
 class Subdomains(CommandTest):
