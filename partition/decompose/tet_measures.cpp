@@ -36,6 +36,35 @@ double trace_of_quotient(const SymTensor& a, const SymTensor& b) {
          determinant(b);
 }
 
+/// The divided difference of exp over `n` + 1 places within [-1/2, 1/2]: the sum of h_k / (n + k)!, h_k the
+/// complete homogeneous polynomial.
+double close_difference(std::span<const double> x) {
+  constexpr std::size_t kTerms = 10;
+  std::array<double, kTerms> h{1};
+  for (const double y : x)
+    for (std::size_t k = 1; k < kTerms; ++k) h[k] += y * h[k - 1];
+  double factor = 1, sum = 0;
+  for (std::size_t n = 2; n < x.size(); ++n) factor /= static_cast<double>(n);
+  for (std::size_t k = 0; k < kTerms; ++k) {
+    sum += factor * h[k];
+    factor /= static_cast<double>(x.size() + k);
+  }
+  return sum;
+}
+
+/// The divided difference of exp over places in ascending order.
+double difference_of_exp(std::span<const double> x) {
+  const double reach = x.back() - x.front();
+  if (reach > 1) return (difference_of_exp(x.subspan(1)) - difference_of_exp(x.first(x.size() - 1))) / reach;
+  const double middle = 0.5 * (x.front() + x.back());
+  std::array<double, 4> around{};
+  for (std::size_t i = 0; i < x.size(); ++i) around[i] = x[i] - middle;
+  return std::exp(middle) * close_difference(std::span(around).first(x.size()));
+}
+
+/// A tet that is exactly positive may compute a negative volume.
+double usable_volume(const TetCorners& p) { return std::max(0.0, six_volume(p[0], p[1], p[2], p[3]) / 6); }
+
 }  // namespace
 
 double density(const LogMetric& log_metric) { return std::exp(0.5 * trace(log_metric)); }
@@ -43,9 +72,20 @@ double density(const LogMetric& log_metric) { return std::exp(0.5 * trace(log_me
 double complexity(const TetCorners& p, const std::array<double, 4>& densities) {
   double density = 0;
   for (const double d : densities) density += 0.25 * d;
-  // A tet that is exactly positive may compute a negative volume.
-  const double volume = std::max(0.0, six_volume(p[0], p[1], p[2], p[3]) / 6);
-  return std::min(volume * density, std::numeric_limits<double>::max());
+  return std::min(usable_volume(p) * density, std::numeric_limits<double>::max());
+}
+
+double mean_of_exp(std::array<double, 4> x) {
+  std::ranges::sort(x);
+  const double top = x.back();  // what is left of exp is at most 1: differences do not overflow
+  for (double& place : x) place -= top;
+  return std::min(std::exp(top) * 6 * difference_of_exp(x), std::numeric_limits<double>::max());
+}
+
+double expected_complexity(const TetCorners& p, const std::array<LogMetric, 4>& log_metrics) {
+  std::array<double, 4> log_densities;
+  for (std::size_t i = 0; i < 4; ++i) log_densities[i] = 0.5 * trace(log_metrics[i]);
+  return std::min(usable_volume(p) * mean_of_exp(log_densities), std::numeric_limits<double>::max());
 }
 
 SymTensor unit_inverse(const LogMetric& log_metric) {
@@ -88,9 +128,7 @@ void TetMeasures::reserve(std::size_t tets) {
 }
 
 void TetMeasures::add(const TetCorners& p, const std::array<LogMetric, 4>& log_metrics) {
-  std::array<double, 4> densities;
-  for (std::size_t i = 0; i < 4; ++i) densities[i] = density(log_metrics[i]);
-  complexities.push_back(complexity(p, densities));
+  complexities.push_back(expected_complexity(p, log_metrics));
   LogMetric mean;
   for (const LogMetric& l : log_metrics) mean = mean + 0.25 * l;
   const SymTensor inverse = unit_inverse(mean);
@@ -107,11 +145,11 @@ void TetMeasures::scale(double factor) {
     for (float& area : areas) area *= area_factor;
 }
 
-std::vector<double> work_of(std::span<const double> complexities) {
+std::vector<double> work_of(std::span<const double> expected_complexities) {
   constexpr double kHandling = 0.1;  // of a tet that is there, in final tets
   std::vector<double> all;
-  all.reserve(complexities.size());
-  for (const double c : complexities) all.push_back(meshing::kTetsPerComplexity * c + kHandling);
+  all.reserve(expected_complexities.size());
+  for (const double c : expected_complexities) all.push_back(meshing::kTetsPerComplexity * c + kHandling);
   return all;
 }
 

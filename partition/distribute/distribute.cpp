@@ -68,7 +68,7 @@ class TetPoints {
 
 /// What is known of the slice's tets, and of the whole mesh, before it is decomposed.
 struct Measured {
-  std::vector<double> complexities;
+  std::vector<double> expected;                                ///< expected_complexity() of each tet
   double complexity = 0, mean_quality = 0, largest_share = 0;  ///< InputMeasures
   meshing::Box box;
 };
@@ -80,6 +80,14 @@ std::vector<double> complexities_of(const TetPoints& points, std::size_t num_tet
   meshing::for_each_index(num_tets, [&](std::size_t t) {
     const auto& [a, b, c, d] = points.places(t);
     result[t] = complexity(points.corners(t), {densities[a], densities[b], densities[c], densities[d]});
+  });
+  return result;
+}
+
+std::vector<double> expected_complexities(const TetPoints& points, std::size_t num_tets) {
+  std::vector<double> result(num_tets);
+  meshing::for_each_index(num_tets, [&](std::size_t t) {
+    result[t] = expected_complexity(points.corners(t), points.log_metrics(t));
   });
   return result;
 }
@@ -128,13 +136,14 @@ std::optional<InputIssue> find_inverted(const MeshSlice& slice, const TetPoints&
 Measured check_and_measure(Peers& peers, const MeshSlice& slice, const PlacedTets& placed,
                            const TetPoints& points) {
   throw_first(peers, find_inverted(slice, points));
-  std::vector<double> complexities = complexities_of(points, slice.tets.size());
+  const std::vector<double> complexities = complexities_of(points, slice.tets.size());
   const std::vector<double> qualities = weighed_qualities(placed, points, complexities);
-  const std::array<std::span<const double>, 2> lists = {complexities, qualities};
+  std::vector<double> expected = expected_complexities(points, slice.tets.size());
+  const std::array<std::span<const double>, 3> lists = {complexities, qualities, expected};
   const std::vector<double> sums = ordered_sums(peers, lists);
-  if (sums[0] <= 0) return {std::move(complexities), sums[0], 0, 0, box_of(peers, points)};
-  const double largest = complexities.empty() ? 0 : std::ranges::max(complexities);
-  return {std::move(complexities), sums[0], sums[1] / sums[0], partition::max(peers, largest) / sums[0],
+  if (sums[0] <= 0) return {std::move(expected), sums[0], 0, 0, box_of(peers, points)};
+  const double largest = partition::max(peers, expected.empty() ? 0 : std::ranges::max(expected));
+  return {std::move(expected), sums[0], sums[1] / sums[0], sums[2] > 0 ? largest / sums[2] : 0,
           box_of(peers, points)};
 }
 
@@ -332,7 +341,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   if (options.target_complexity > 0 && result.complexity > 0) {
     factor = options.target_complexity / result.complexity;
     scale_metric(factor, slice);
-    for (double& c : measured.complexities) c *= factor;
+    for (double& c : measured.expected) c *= factor;
     result.complexity = options.target_complexity;
   }
   BoundaryShare boundary = complete_boundary(peers, slice, placed, points, tets);
@@ -347,7 +356,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
                        follow_each_other(peers, slice.tets);
   if (result.cut_by_runs)
     decomposition =
-        decompose_by_runs(peers, points, tets, placed, work_of(measured.complexities), *tet_points, parts);
+        decompose_by_runs(peers, points, tets, placed, work_of(measured.expected), *tet_points, parts);
   else
     decomposition = decompose_slice(peers, slice, points, measures_of(*tet_points, slice.tets.size(), factor),
                                     options, parts);

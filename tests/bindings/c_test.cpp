@@ -760,6 +760,46 @@ TEST_F(CInterface, HistogramsAreDrawn) {
   EXPECT_GT(std::filesystem::file_size(folder / "plot.svg"), 2000u);
 }
 
+TEST_F(CInterface, MeshesAreDrawn) {
+  const Folder folder;
+  const std::string path = folder / "mesh.svg", png = folder / "mesh.png";
+  weft_mesh* mesh = box(2);
+  ASSERT_EQ(weft_draw(path.c_str(), mesh, nullptr, nullptr, 0, nullptr), WEFT_OK) << weft_last_error();
+  const auto whole = std::filesystem::file_size(path);
+  EXPECT_GT(whole, 2000u);
+  weft_picture_settings settings{};
+  EXPECT_EQ(weft_picture_settings_default(&settings), WEFT_MISUSE);
+  settings.size = sizeof settings;
+  ASSERT_EQ(weft_picture_settings_default(&settings), WEFT_OK);
+  EXPECT_STREQ(settings.color_by, "none");
+  settings.clip = "x=0.5";
+  settings.title = "cut in the middle";
+  const std::vector<double> field(27, 1.5);
+  ASSERT_EQ(weft_draw(path.c_str(), mesh, nullptr, field.data(), 27, &settings), WEFT_OK)
+      << weft_last_error();
+  EXPECT_NE(std::filesystem::file_size(path), whole);
+  settings.color_by = "quality";
+  settings.pixels = "300x200";
+  ASSERT_EQ(weft_draw(png.c_str(), mesh, sizes(mesh, 0.5), nullptr, 0, &settings), WEFT_OK)
+      << weft_last_error();
+  EXPECT_GT(std::filesystem::file_size(png), 1000u);
+
+  const auto refused = [&](weft_status status, const char* with) {
+    EXPECT_EQ(weft_draw(path.c_str(), mesh, nullptr, nullptr, 0, &settings), status);
+    EXPECT_THAT(weft_last_error(), HasSubstr(with));
+  };
+  settings.color_by = "length";
+  refused(WEFT_OPTION_ERROR, "needs a metric");
+  settings.color_by = "mood";
+  refused(WEFT_OPTION_ERROR, "'mood'");
+  weft_picture_settings_default(&settings);
+  settings.zoom = 0;
+  refused(WEFT_OPTION_ERROR, "--zoom");
+  EXPECT_EQ(weft_draw(path.c_str(), mesh, nullptr, field.data(), 26, nullptr), WEFT_INPUT_ERROR);
+  EXPECT_EQ(weft_draw("mesh.gif", mesh, nullptr, nullptr, 0, nullptr), WEFT_MISUSE);
+  EXPECT_EQ(weft_draw(nullptr, mesh, nullptr, nullptr, 0, nullptr), WEFT_MISUSE);
+}
+
 TEST_F(CInterface, SurfacesOfBodiesAreFilledToo) {
   const double origin[] = {0, 0, 0};
   weft_mesh *ball = nullptr, *cylinder = nullptr, *wing = nullptr, *filled = nullptr, *finer = nullptr;

@@ -167,7 +167,8 @@ std::string signed_text(double seconds) {
 }
 
 std::string change_text(double a, double b) {
-  return a > 0 ? fmt::format("{:+.1f} %", 100 * (b / a - 1)) : std::string("-");
+  if (!(a > 0)) return "-";
+  return b < 100 * a ? fmt::format("{:+.1f} %", 100 * (b / a - 1)) : fmt::format("x {:.3g}", b / a);
 }
 
 std::string seconds_table(const std::string& title, std::vector<ComparedSeconds> rows) {
@@ -175,9 +176,9 @@ std::string seconds_table(const std::string& title, std::vector<ComparedSeconds>
   std::stable_sort(rows.begin(), rows.end(), [](const ComparedSeconds& x, const ComparedSeconds& y) {
     return std::abs(x.b - x.a) > std::abs(y.b - y.a);
   });
-  std::string text = fmt::format("\n{:<32}{:>12}{:>12}{:>14}{:>10}\n", title, "A", "B", "difference", "");
+  std::string text = fmt::format("\n{:<32}{:>12}{:>12}{:>14}{:>12}\n", title, "A", "B", "difference", "");
   for (const ComparedSeconds& row : rows) {
-    text += fmt::format("  {:<30}{:>12}{:>12}{:>14}{:>10}\n", row.name, seconds_text(row.a),
+    text += fmt::format("  {:<30}{:>12}{:>12}{:>14}{:>12}\n", row.name, seconds_text(row.a),
                         seconds_text(row.b), signed_text(row.b - row.a), change_text(row.a, row.b));
   }
   return text;

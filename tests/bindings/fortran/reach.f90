@@ -51,6 +51,10 @@ program reach
   call check(weft_stat(mesh, metric, c_null_ptr, text))
   if (index(text, '"schema": "weft-stat-1"') == 0 .or. index(text, "histogram") == 0) error stop "stat"
   call check(weft_draw_histograms("plot.svg", mesh, metric))
+  call check(weft_draw("mesh.svg", mesh, metric, color_by="quality", clip="x=0.5", title="a cut", axes=.false.))
+  call must_be_there("mesh.svg")
+  if (weft_draw("mesh.svg", mesh, c_null_ptr, field=[1d0, 2d0]) == weft_ok) error stop "two values for all points"
+  if (weft_draw("mesh.svg", mesh, c_null_ptr, zoom=0d0) /= weft_option_error) error stop "no zoom"
 
   ! Repair: a mesh with a vertex of no tet.
   call check(weft_mesh_create(reshape([0d0,0d0,0d0, 1d0,0d0,0d0, 0d0,1d0,0d0, 0d0,0d0,1d0, 5d0,5d0,5d0], [3, 5]), &

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <random>
 #include <utility>
@@ -78,6 +79,64 @@ TEST(TetMeasures, CutsThroughARegularTetAreLessThanTwiceAsDearInTheWorstDirectio
   EXPECT_LT(along, 2 * across_thin);
   EXPECT_GT(squared_length(unit_inverse(thin), {1, 0, 0}),
             9999 * squared_length(unit_inverse(thin), {0, 0, 1}));
+}
+
+/// The mean at the centres of the 8^`levels` tets that halving edges makes.
+double sampled_mean_of_exp(const std::array<double, 4>& x, int levels) {
+  if (levels == 0) return std::exp(0.25 * (x[0] + x[1] + x[2] + x[3]));
+  const auto mid = [&](int i, int j) { return 0.5 * (x[i] + x[j]); };
+  const double a = mid(0, 1), b = mid(0, 2), c = mid(0, 3), d = mid(1, 2), e = mid(1, 3), f = mid(2, 3);
+  double sum = 0;
+  for (const std::array<double, 4>& part :
+       std::initializer_list<std::array<double, 4>>{{x[0], a, b, c},
+                                                    {a, x[1], d, e},
+                                                    {b, d, x[2], f},
+                                                    {c, e, f, x[3]},  // corners
+                                                    {a, b, c, e},
+                                                    {a, b, d, e},
+                                                    {b, c, e, f},
+                                                    {b, d, e, f}})  // the octahedron, about be
+    sum += sampled_mean_of_exp(part, levels - 1);
+  return sum / 8;
+}
+
+TEST(TetMeasures, MeanOfExpIsThatOverTheTet) {
+  std::mt19937 random(3);
+  for (const double reach : {1e-9, 0.1, 0.9, 1.1, 3.0, 6.0})
+    for (int i = 0; i < 4; ++i) {
+      std::uniform_real_distribution<double> within(0, reach);
+      std::array<double, 4> x{within(random), within(random), within(random), within(random)};
+      if (i == 0) x[1] = x[2] = x[0];
+      if (i == 1) x[3] = x[1];
+      const double sampled = sampled_mean_of_exp(x, 5);
+      EXPECT_NEAR(mean_of_exp(x), sampled, (1e-12 + 1e-4 * reach * reach) * sampled) << reach;
+    }
+  for (const double x : {-800.0, 0.0, 3.0, 700.0}) {
+    EXPECT_NEAR(mean_of_exp({x, x, x, x}), std::exp(x), 1e-9 * std::exp(x));
+  }
+  // One corner far from the others: the remainder of exp's series.
+  for (const double x : {-50.0, -10.0, 10.0, 50.0, 300.0}) {
+    const double exact = 6 * (std::exp(x) - 1 - x - x * x / 2) / (x * x * x);
+    EXPECT_NEAR(mean_of_exp({0, x, 0, 0}), exact, 1e-9 * std::abs(exact)) << x;
+  }
+  EXPECT_LE(mean_of_exp({0, 1000, 2000, 2000}), std::numeric_limits<double>::max());
+  EXPECT_GE(mean_of_exp({0, 1000, 2000, 2000}), 1e308);
+}
+
+TEST(TetMeasures, ExpectedComplexityIsTheQuadratureWhereSizesAreAlikeAndLessWhereTheyAreNot) {
+  TetCorners upright = kRegular;
+  std::swap(upright[0], upright[1]);
+  std::mt19937 random(4);
+  std::array<LogMetric, 4> log_metrics;
+  log_metrics.fill(random_log_metric(random));
+  const double even = density(log_metrics[0]);
+  EXPECT_NEAR(expected_complexity(upright, log_metrics), complexity(upright, {even, even, even, even}),
+              1e-9 * complexity(upright, {even, even, even, even}));
+  EXPECT_EQ(expected_complexity(kRegular, log_metrics), 0);
+  log_metrics[2] = log_metrics[2] + meshing::identity_tensor(2 * std::log(10.0));  // a tenth of the size
+  EXPECT_NEAR(
+      expected_complexity(upright, log_metrics) / complexity(upright, {even, even, 1000 * even, even}),
+      0.0176 / 0.25075, 1e-3);
 }
 
 /// As one does that is exactly positive, and whose volume is rounded to less than nothing.

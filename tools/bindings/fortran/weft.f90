@@ -78,6 +78,14 @@ module weft
     type(c_ptr) :: report, account, trace
   end type replay_settings
 
+  type, bind(c) :: picture_settings
+    integer(c_size_t) :: size
+    type(c_ptr) :: color_by, pixels, from, up, clip, focus, range, title, only
+    integer(c_int64_t) :: num_only
+    real(c_double) :: zoom, line_width
+    integer(c_int32_t) :: dark, flip, slice, edges, legend, axes
+  end type picture_settings
+
   type, bind(c) :: graph_filter
     integer(c_size_t) :: size
     integer(c_int64_t) :: round, subdomain
@@ -118,7 +126,7 @@ module weft
     weft_measure, weft_stat, weft_draw_histograms, weft_fill_settings_default, weft_fill_to_background, &
     weft_tessellate, weft_ball_surface, weft_cylinder_surface, weft_delta_wing_surface, weft_mesh_repair, &
     weft_fields_repair_metric, weft_surface_repair, weft_replay, weft_graph_text, weft_report_page, &
-    weft_compare_reports
+    weft_compare_reports, weft_draw
 
   interface weft_options_set
     module procedure options_set_text, options_set_real, options_set_integer
@@ -420,6 +428,13 @@ module weft
     function c_draw_histograms(path, mesh, metric) bind(c, name="weft_draw_histograms")
       import; character(c_char), intent(in) :: path(*); type(c_ptr), value :: mesh, metric
       integer(c_int) :: c_draw_histograms
+    end function
+    function c_picture_settings_default(settings) bind(c, name="weft_picture_settings_default")
+      import; type(picture_settings), intent(inout) :: settings; integer(c_int) :: c_picture_settings_default
+    end function
+    function c_draw(path, mesh, metric, field, num_values, settings) bind(c, name="weft_draw")
+      import; character(c_char), intent(in) :: path(*); type(c_ptr), value :: mesh, metric, field
+      integer(c_int64_t), value :: num_values; type(picture_settings), intent(in) :: settings; integer(c_int) :: c_draw
     end function
     function c_fill_settings_default(settings) bind(c, name="weft_fill_settings_default")
       import; type(weft_fill_settings), intent(inout) :: settings; integer(c_int) :: c_fill_settings_default
@@ -971,6 +986,59 @@ contains
     integer(c_int) :: status
     status = c_draw_histograms(trim(path)//c_null_char, mesh, metric)
   end function weft_draw_histograms
+
+  !> Draws a mesh into a .png, .svg or .pdf, as `weft view` does. field: a value for each point, which colours it.
+  !> metric: c_null_ptr unless qualities or lengths do. only: references of boundary triangles. The rest are the options
+  !> of the command, view_from its --from.
+  function weft_draw(path, mesh, metric, field, color_by, pixels, view_from, up, clip, focus, range, title, only, zoom, &
+                     line_width, dark, flip, slice, edges, legend, axes) result(status)
+    character(*), intent(in) :: path
+    type(c_ptr), intent(in) :: mesh, metric
+    real(c_double), intent(in), contiguous, target, optional :: field(:)
+    character(*), intent(in), optional :: color_by, pixels, view_from, up, clip, focus, range, title
+    integer(c_int32_t), intent(in), contiguous, target, optional :: only(:)
+    real(c_double), intent(in), optional :: zoom, line_width
+    logical, intent(in), optional :: dark, flip, slice, edges, legend, axes
+    integer(c_int) :: status
+    type(picture_settings) :: settings
+    character(len=:, kind=c_char), allocatable, target :: color_by_0, pixels_0, from_0, up_0, clip_0, focus_0, range_0, title_0
+    type(c_ptr) :: values
+    integer(c_int64_t) :: num_values
+    settings%size = c_sizeof(settings)
+    status = c_picture_settings_default(settings)
+    if (status /= weft_ok) return
+    if (present(color_by)) settings%color_by = address_of(color_by, color_by_0)
+    if (present(pixels)) settings%pixels = address_of(pixels, pixels_0)
+    if (present(view_from)) settings%from = address_of(view_from, from_0)
+    settings%up = address_of(up, up_0)
+    settings%clip = address_of(clip, clip_0)
+    settings%focus = address_of(focus, focus_0)
+    settings%range = address_of(range, range_0)
+    settings%title = address_of(title, title_0)
+    if (present(only)) then
+      settings%num_only = size(only, kind=c_int64_t)
+      if (size(only) > 0) settings%only = c_loc(only)
+    end if
+    if (present(zoom)) settings%zoom = zoom
+    if (present(line_width)) settings%line_width = line_width
+    if (present(dark)) settings%dark = merge(1, 0, dark)
+    if (present(flip)) settings%flip = merge(1, 0, flip)
+    if (present(slice)) settings%slice = merge(1, 0, slice)
+    if (present(edges)) settings%edges = merge(1, 0, edges)
+    if (present(legend)) settings%legend = merge(1, 0, legend)
+    if (present(axes)) settings%axes = merge(1, 0, axes)
+    values = c_null_ptr
+    num_values = 0
+    if (present(field)) then
+      num_values = size(field, kind=c_int64_t)
+      if (num_values == 0) then
+        status = refused("field", num_values, " values, not one for each point")
+        return
+      end if
+      values = c_loc(field)
+    end if
+    status = c_draw(trim(path)//c_null_char, mesh, metric, values, num_values, settings)
+  end function weft_draw
 
   !> What a recorded run (graph.json or profile.json) would take on another machine, as `weft replay` says; the options
   !> are those of the command. json and summary: the account for programs and for people.

@@ -1,6 +1,7 @@
 // Pictures by the words of `weft view`.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -74,7 +75,14 @@ void read_cut(const PictureOptions& words, picture::PictureOptions& options) {
   options.planar = words.slice;
 }
 
+void require_positive(const char* option, double value) {
+  if (!(value > 0 && std::isfinite(value)))
+    throw OptionError(option, fmt::format("{} is not a positive number", value));
+}
+
 picture::PictureOptions options_of(const PictureOptions& words) {
+  require_positive("--zoom", words.zoom);
+  require_positive("--line-width", words.line_width);
   const ColourBy by = colour_by(words.color_by);
   picture::PictureOptions options;
   std::tie(options.width, options.height) = parsed("--size", [&] { return tools::picture_size(words.size); });

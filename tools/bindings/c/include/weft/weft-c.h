@@ -399,6 +399,30 @@ WEFT_C_API weft_status weft_stat(const weft_mesh* mesh, const weft_metric* metri
 WEFT_C_API weft_status weft_draw_histograms(const char* path, const weft_mesh* mesh,
                                             const weft_metric* metric);
 
+/* A picture, by the words of `weft view`. Texts that are NULL ask for nothing. */
+typedef struct weft_picture_settings {
+  size_t size;          /* sizeof(weft_picture_settings) */
+  const char* color_by; /* none, ref, subdomain, quality, length, nonconforming, field */
+  const char* pixels;   /* WIDTHxHEIGHT */
+  const char* from;     /* x, -x, ..., iso, AZIMUTH,ELEVATION */
+  const char* up;
+  const char* clip;
+  const char* focus;
+  const char* range;
+  const char* title;
+  const int32_t* only; /* references: only boundary triangles of these; NULL: of all */
+  int64_t num_only;
+  double zoom;
+  double line_width;
+  int32_t dark, flip, slice, edges, legend, axes; /* 0 or 1 */
+} weft_picture_settings;
+WEFT_C_API weft_status weft_picture_settings_default(weft_picture_settings* settings);
+/* Draws a mesh into a .png, .svg or .pdf. `metric` may be NULL unless qualities or lengths colour it;
+   `field`, if not NULL, has a value for each of the mesh's points and colours it. `settings` may be NULL. */
+WEFT_C_API weft_status weft_draw(const char* path, const weft_mesh* mesh, const weft_metric* metric,
+                                 const double* field, int64_t num_values,
+                                 const weft_picture_settings* settings);
+
 /* ---------------------------------------------------------------------------------------- Initial meshes */
 
 typedef struct weft_fill_settings {
