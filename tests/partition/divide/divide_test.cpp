@@ -99,7 +99,7 @@ TEST(Division, OfAWholeMeshIsItsDecomposition) {
 
 TEST(Division, LeavesTheBackgroundThatIsCovered) {
   constexpr std::uint32_t kOfCube = 8;
-  Scene scene{"cube", unit_cube(14), {}, {}, kOfCube, false};
+  Scene scene{"cube", unit_cube(20), {}, {}, kOfCube, false};
   scene.log_metrics = wanted_sizes(scene.mesh, 0.05, 3);
   scene.part.assign(scene.mesh.tets.size(), SubdomainId(0));
   const Cut cut = scene.cut();
