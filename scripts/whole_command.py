@@ -13,6 +13,7 @@ disk    The files' bytes at --disk bytes a second for all ranks together: assume
 import re
 
 NO_NETWORK = "1ns,1000GB/s"
+BEFORE_RESULT = ("read", "metric", "decompose", "adapt", "of the input")
 NOTHING_CHANGES = ("--no-insert", "--no-swap", "--no-move", "--shifts", 0, "--force")
 
 
@@ -48,8 +49,8 @@ class WholeCommand:
     @staticmethod
     def seconds_of(text):
         """Those of the steps; of simulated ranks virtual ones."""
-        return {step: float(re.search(rf"^ +{step} +([\d.]+)", text, re.M).group(1))
-                for step in ("total", "read", "metric", "adapt", "measure", "of the input")}
+        return {step: sum(map(float, re.findall(rf"^ +{step} +([\d.]+)", text, re.M)))  # none of steps that were not taken
+                for step in (*BEFORE_RESULT, "measure", "total")}
 
     def of_start(self, ranks, subdomains, network):
         """All seconds, and those of the steps."""
@@ -59,7 +60,7 @@ class WholeCommand:
 
     def start_seconds(self, ranks, threads, subdomains, network):
         _, work = self.of_start(ranks, subdomains, NO_NETWORK)
-        after_loop = work["total"] - sum(work[step] for step in ("read", "metric", "adapt", "of the input"))
+        after_loop = work["total"] - sum(work[step] for step in BEFORE_RESULT)
         saved = work["adapt"] * (1 - 1 / threads)
         saved += (after_loop + work["of the input"]) * (1 - self.share_of_thread(threads, max(1, subdomains // self.options.copies)))
         return self.of_start(ranks, subdomains, network)[0] - saved
@@ -69,7 +70,7 @@ class WholeCommand:
 
     def after_loop(self, name, subdomains, *more):
         seconds = self.end_run(name, subdomains, *more)
-        return seconds["total"] - sum(seconds[step] for step in ("read", "metric", "adapt", "of the input"))
+        return seconds["total"] - sum(seconds[step] for step in BEFORE_RESULT)
 
     def share_of_thread(self, threads, subdomains):
         one, two = (self.after_loop(f"threads-{n}", subdomains, "--threads", n) for n in (1, 2))

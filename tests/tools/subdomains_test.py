@@ -157,6 +157,16 @@ class Results(Subdomains):
             self.assertEqual(self.bytes_of("out.meshb"), expected)
             report = json.loads((self.folder / "r" / "report.json").read_text())
             self.assertGreaterEqual(report["subdomains"]["checks"], 3)
+            self.check_times(report, done.stdout)
+
+    def check_times(self, report, summary):
+        seconds = report["seconds"]
+        steps = ("read", "metric", "decompose", "adapt", "measure", "write")
+        for step in steps:
+            self.assertGreater(seconds[step], 0, step)
+            self.assertRegex(summary, rf"\n  {step} +{seconds[step]:.3f}")
+        self.assertLessEqual(sum(seconds[step] for step in steps), seconds["total"])
+        self.assertEqual(seconds["decompose"], report["subdomains"]["decomposition_seconds"])
 
     def test_partitioners(self):
         self.box(4)

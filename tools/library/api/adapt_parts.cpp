@@ -103,6 +103,7 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
   const auto model = run.read_model(part.mesh, "");
   const std::atomic<bool>* interrupt = tools::flag_for_metric(run.monitor(), options.checkpoint);
   double target = 0;
+  result.times.read = watch.lap();
   std::optional<partition::MeshSlice> of_metric;
   if (background)
     of_metric = background_of(run.peers(), *background, metric, options, model, interrupt, result);
@@ -110,11 +111,12 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
     target = add_metric(run.peers(), part, metric, options, model,
                         tools::surface_bound_in_parts(run.peers(), options.geometry, slice), interrupt, slice,
                         result);
+  result.times.metric = watch.lap();
   result.input_counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
   const Fields fields = tools::fields_of_slices(run.peers(), part);
   partition::MeshSlice old;
   if (!fields.fields.empty()) old = partition::without_boundary(slice);
-  result.times.read = watch.lap();
+  result.times.read += watch.lap();
   run.adapt(std::move(slice), target, "", result, of_metric ? &*of_metric : nullptr);
   watch.lap();
   if (options.run.measure) run.measure(result);

@@ -150,7 +150,8 @@ class DistributedFileJob {
     warn_of_left_fields();
     account_.input_counts = {input.slice.num_points, input.slice.num_tets, input.slice.num_triangles,
                              input.slice.num_edges};
-    account_.times.read = watch_.lap();
+    account_.times.metric = input.metric_seconds;
+    account_.times.read = watch_.lap() - input.metric_seconds;
     return input;
   }
 

@@ -324,7 +324,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
   report.complexity_asked = options_.metric.complexity > 0;
   report.target_complexity =
       report.complexity_asked ? options_.metric.complexity : rank_.plan.expected_complexity;
-  report.times.metric = result_.decomposition_seconds;
+  report.times.decompose = result_.decomposition_seconds;
   report.times.adapt = result_.adaptation_seconds;
   // One rank's reason ends them all.
   const auto reason =

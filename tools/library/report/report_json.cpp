@@ -54,9 +54,9 @@ Json json_of(const meshing::StageReport& stage) {
 }
 
 Json json_of(const StageTimes& times) {
-  return {{"read", times.read},       {"metric", times.metric}, {"adapt", times.adapt},
-          {"measure", times.measure}, {"fields", times.fields}, {"write", times.write},
-          {"total", times.total}};
+  return {{"read", times.read},   {"metric", times.metric},   {"decompose", times.decompose},
+          {"adapt", times.adapt}, {"measure", times.measure}, {"fields", times.fields},
+          {"write", times.write}, {"total", times.total}};
 }
 
 const char* name_of(meshing::TransferMethod method) {

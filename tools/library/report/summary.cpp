@@ -55,6 +55,7 @@ std::string times_text(const Report& run) {
   };
   row("read", run.times.read);
   row("metric", run.times.metric);
+  if (run.times.decompose > 0) row("decompose", run.times.decompose);
   row("adapt", run.times.adapt);
   for (const meshing::StageReport& stage : run.stages)
     row("  " + stage.name, stage.seconds, grouped(stage.vertices), grouped(stage.tets));

@@ -269,7 +269,7 @@ struct MeshCounts {
 };
 
 struct StageTimes {
-  double read = 0, metric = 0, adapt = 0, measure = 0, fields = 0, write = 0, total = 0;
+  double read = 0, metric = 0, decompose = 0, adapt = 0, measure = 0, fields = 0, write = 0, total = 0;
   double measure_input = 0;  ///< of `measure`, what was before the adaptation
 };
 

@@ -10,6 +10,7 @@
 #include "partition/communication/reduce.h"
 #include "partition/fields/by_components.h"
 #include "tools/library/jobs/file_outputs.h"
+#include "tools/library/jobs/resources/stopwatch.h"
 #include "tools/library/jobs/sources/field_source.h"
 #include "tools/library/jobs/sources/metric_in_parts.h"
 #include "tools/library/jobs/sources/metric_source.h"
@@ -34,10 +35,12 @@ bool has_background(const Files& files) {
 void add_metric(Peers& peers, const Files& files, const Options& options,
                 const std::shared_ptr<const meshing::Model>& model, const std::atomic<bool>* interrupt,
                 SliceInput& input) {
+  Stopwatch watch;
   const std::optional<SurfaceBound> bound = surface_bound_in_parts(peers, options.geometry, input.slice);
   if (only_scaled(options.metric) && !bound) {
     input.target_complexity = options.metric.complexity;
     input.slice.log_metrics = metric_of_share(peers, options.metric, input.slice);
+    input.metric_seconds = watch.lap();
     return;
   }
   LogMetricMade made =
@@ -45,6 +48,7 @@ void add_metric(Peers& peers, const Files& files, const Options& options,
   input.slice.log_metrics = std::move(made.field);
   input.warnings = std::move(made.warnings);
   input.surface_limit = made.surface_limit;
+  input.metric_seconds = watch.lap();
 }
 
 /// With its metric; nobody looks at its boundary.
@@ -60,8 +64,10 @@ void add_background(Peers& peers, const Files& files, const Options& options,
                     SliceInput& input) {
   MeshShare share = read_mesh_share(peers, files.background);
   if (share.slice.num_tets == 0) throw InputError(files.background, "", "has no tetrahedra");
+  Stopwatch watch;
   LogMetricMade made =
       make_metric_in_parts(peers, options.metric, share.slice, files.background, model, {}, interrupt);
+  input.metric_seconds = watch.lap();
   share.slice.log_metrics = std::move(made.field);
   keep_background(peers, std::move(share.slice), input);
   input.warnings = std::move(made.warnings);
@@ -112,8 +118,10 @@ SliceInput read_and_mend(Peers& peers, const Files& files, const Options& option
     input.target_complexity = std::exchange(metric.complexity, 0);
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0 || has_background(files)) return;
+    Stopwatch watch;
     LogMetricMade made = make_log_metric(
         metric, whole, files.input, repaired.source ? &*repaired.source : nullptr, model, bound, interrupt);
+    input.metric_seconds = watch.lap();
     field = std::move(made.field);
     input.warnings = std::move(made.warnings);
     input.surface_limit = made.surface_limit;
@@ -138,8 +146,10 @@ void mend_background(Peers& peers, const Files& files, const Options& options,
     MetricOptions metric = options.metric;
     RepairedMetric repaired = repair_background(whole, files.background, metric);
     input.mends.insert(input.mends.end(), repaired.mends.begin(), repaired.mends.end());
+    Stopwatch watch;
     made = make_log_metric(metric, whole, files.background, repaired.source ? &*repaired.source : nullptr,
                            model, {}, interrupt);
+    input.metric_seconds = watch.lap();
     input.warnings.insert(input.warnings.end(), made.warnings.begin(), made.warnings.end());
   });
   keep_background(peers, deal_out(peers, whole, made.field), input);

@@ -23,9 +23,10 @@ struct SliceInput {
   double target_complexity = 0;  ///< that the slice's metric still has to be scaled to; 0: as it is
   std::vector<std::string> warnings;
   meshing::SurfaceLimit surface_limit = {};
-  meshing::RefNames names;  ///< of the input's references; on rank 0 at least
-  std::vector<Mend> mends;  ///< of the input, on rank 0
-  Fields fields;            ///< those that are carried along, at the slice's points
+  meshing::RefNames names;    ///< of the input's references; on rank 0 at least
+  std::vector<Mend> mends;    ///< of the input, on rank 0
+  Fields fields;              ///< those that are carried along, at the slice's points
+  double metric_seconds = 0;  ///< that the metric took, from its files on
 };
 
 /// All ranks: reads the mesh and makes the metric, in shares where the formats allow (read_mesh_share(),
