@@ -47,7 +47,13 @@ tools::RunResult account_of(const Adapted& mesh, const SimulationRules& rules,
   run.surface_deviation = report.surface_deviation;
   run.surface_demands = report.surface_demands;
   run.target_complexity = run.before->complexity;
-  run.times = {0.2, 0.1, simulated.summary.wall, 0.3, 0, 0.2, simulated.summary.wall + 0.8};
+  run.times = {.read = 0.2,
+               .metric = 0.1,
+               .decompose = 0.1,
+               .adapt = simulated.summary.wall,
+               .measure = 0.3,
+               .write = 0.2,
+               .total = simulated.summary.wall + 0.9};
   run.warnings = {"a \"warning\" with <b>markup</b> & </script>"};
   std::vector<graph::adaptation::ShiftRecord> shifts(rules.rounds);
   for (std::size_t s = 0; s < shifts.size(); ++s)
