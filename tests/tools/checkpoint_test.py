@@ -16,9 +16,8 @@ import time
 import unittest
 
 from command import WEFT, CommandTest
-from on_ranks import MPIRUN, is_weft, ranks_of
+from on_ranks import MPICH, MPIRUN, is_weft, ranks_of
 
-MPICH = os.environ["WEFT_MPI"] == "mpich"
 SECONDS = 300  # far above what anything here takes
 KILLS = int(os.environ.get("WEFT_KILLS", "3"))
 SEED = int(os.environ.get("WEFT_SEED", "20261123"))
@@ -111,14 +110,18 @@ class Writing(Checkpoints):
         process = self.start(2, "--checkpoint", "ck", "--checkpoint-every", 0, "-o", "first.meshb", complexity=60000)
         while process.poll() is None and not (self.folder / "ck").exists():
             time.sleep(0.1)  # before that a signal kills
+
+        def send(number):
+            if MPICH:  # its mpirun does not pass these on
+                os.kill(ranks_of(process.pid)[0], number)
+            else:
+                process.send_signal(number)
+
         while process.poll() is None and not self.complete():
             time.sleep(0.2)
-            if MPICH:  # its mpirun does not know this signal, which ends it
-                os.kill(ranks_of(process.pid)[0], signal.SIGUSR2)
-            else:
-                process.send_signal(signal.SIGUSR2)  # mpirun passes it on
+            send(signal.SIGUSR2)
         self.assertTrue(self.complete())
-        process.send_signal(signal.SIGALRM)
+        send(signal.SIGALRM)
         process.communicate(timeout=SECONDS)
         self.assertEqual(process.returncode, 1)
 

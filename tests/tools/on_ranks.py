@@ -12,6 +12,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "
 from ranks import is_weft, ranks_of  # noqa: E402, F401: for the tests on ranks
 
 MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
+MPICH = os.environ["WEFT_MPI"] == "mpich"
 LONG = bool(os.environ.get("WEFT_LONG_TESTS"))  # scripts/nightly.sh: on all numbers of ranks
 SECONDS = 200  # far above what anything here takes
 
