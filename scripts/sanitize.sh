@@ -35,6 +35,8 @@ fixed_layout() {
 # These build programs without sanitizers, which cannot load a library with them.
 foreign='^(package|documentation|help_pages|bindings)'
 
+# A child reads CGNS files first. GCC's address sanitizer does not free its own locks in a child of fork(): where ranks
+# are threads that allocate (Formats/FieldShares) the child may hang, and ends by its alarm after a minute.
 run_asan() {
   scripts/build.sh asan
   export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
