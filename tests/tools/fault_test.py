@@ -165,6 +165,13 @@ class Faults(CommandTest):
         for (kind, code), count in sorted(ends.items()):
             print(f"{kind:7} {code:4}: {count}")
 
+    def test_allocations_of_the_start_fail(self):
+        """Those of tables that are made once, such as that of the options, which no other allocation of a run is like."""
+        mode = MODES["checkpoints of one mesh"]
+        for point in range(1, 131):
+            done = self.run_with(f"new:{point}", mode)
+            self.assert_nothing_is_lost(done, "new", mode, f"new:{point}: exit {done.returncode}\n{done.stdout}{done.stderr}")
+
     def test_ranks_whose_first_reads_fail(self):
         """Those of the launcher's processes, before MPI starts."""
         for point in range(1, 5):

@@ -22,6 +22,11 @@ using Setter = std::function<void(Options&, const std::string& option, const std
 using Getter = std::function<std::string(const Options&)>;
 
 struct Row {
+  /// No aggregate: GCC 12 destroys the strings of one within another twice where an allocation of a later
+  /// member fails.
+  Row(NamedOption its_option, Setter its_set, Getter its_get)
+      : option(std::move(its_option)), set(std::move(its_set)), get(std::move(its_get)) {}
+
   NamedOption option;
   Setter set;
   Getter get;
