@@ -36,30 +36,38 @@ double trace_of_quotient(const SymTensor& a, const SymTensor& b) {
          determinant(b);
 }
 
-/// The divided difference of exp over `n` + 1 places within [-1/2, 1/2]: the sum of h_k / (n + k)!, h_k the
+/// The divided difference of exp over N places within [-1/2, 1/2]: the sum of h_k / (N - 1 + k)!, h_k the
 /// complete homogeneous polynomial.
-double close_difference(std::span<const double> x) {
+template <std::size_t N>
+double close_difference(const std::array<double, N>& x) {
   constexpr std::size_t kTerms = 10;
   std::array<double, kTerms> h{1};
   for (const double y : x)
     for (std::size_t k = 1; k < kTerms; ++k) h[k] += y * h[k - 1];
   double factor = 1, sum = 0;
-  for (std::size_t n = 2; n < x.size(); ++n) factor /= static_cast<double>(n);
+  for (std::size_t n = 2; n < N; ++n) factor /= static_cast<double>(n);
   for (std::size_t k = 0; k < kTerms; ++k) {
     sum += factor * h[k];
-    factor /= static_cast<double>(x.size() + k);
+    factor /= static_cast<double>(N + k);
   }
   return sum;
 }
 
 /// The divided difference of exp over places in ascending order.
-double difference_of_exp(std::span<const double> x) {
-  const double reach = x.back() - x.front();
-  if (reach > 1) return (difference_of_exp(x.subspan(1)) - difference_of_exp(x.first(x.size() - 1))) / reach;
-  const double middle = 0.5 * (x.front() + x.back());
-  std::array<double, 4> around{};
-  for (std::size_t i = 0; i < x.size(); ++i) around[i] = x[i] - middle;
-  return std::exp(middle) * close_difference(std::span(around).first(x.size()));
+template <std::size_t N>
+double difference_of_exp(std::span<const double, N> x) {
+  if constexpr (N == 1) {
+    return std::exp(x[0]);
+  } else {
+    const double reach = x.back() - x.front();
+    if (reach > 1)
+      return (difference_of_exp(x.template last<N - 1>()) - difference_of_exp(x.template first<N - 1>())) /
+             reach;
+    const double middle = 0.5 * (x.front() + x.back());
+    std::array<double, N> around;
+    for (std::size_t i = 0; i < N; ++i) around[i] = x[i] - middle;
+    return std::exp(middle) * close_difference(around);
+  }
 }
 
 /// A tet that is exactly positive may compute a negative volume.
@@ -79,7 +87,8 @@ double mean_of_exp(std::array<double, 4> x) {
   std::ranges::sort(x);
   const double top = x.back();  // what is left of exp is at most 1: differences do not overflow
   for (double& place : x) place -= top;
-  return std::min(std::exp(top) * 6 * difference_of_exp(x), std::numeric_limits<double>::max());
+  return std::min(std::exp(top) * 6 * difference_of_exp(std::span<const double, 4>(x)),
+                  std::numeric_limits<double>::max());
 }
 
 double expected_complexity(const TetCorners& p, const std::array<LogMetric, 4>& log_metrics) {
