@@ -39,7 +39,9 @@ ENDED = SILENCE + 0.2 * (2 ** (RETRIES + 1) - 1) + MARGIN
 # of the lost host, or, where that is the host of mpirun and cut off, of the others, which it has lost.
 HOST_LOST = {
     2: r"error: rank (?P<rank>\d+) died",  # weft, which ends all by MPI_Abort with status 2 (<weft/weft.h>)
-    9: r"unable to reliably start one or more daemons",  # mpirun: what has started its daemon there (ssh, say) was killed
+    # mpirun ends as what has started its daemon there (ssh, say), or another one: killed, or with an error of its own.
+    1: r"unable to reliably start one or more daemons",
+    9: r"unable to reliably start one or more daemons",
     137: r"process rank (?P<rank>\d+) with PID \d+ on node \S+ exited on signal 9",  # its daemon there, before it ended too
     205: r"Remote daemon: .* on node (?P<node>\S+)",  # mpirun: the connection to its daemon there is lost
     -signal.SIGKILL: "",  # mpirun was on that host and was killed itself
