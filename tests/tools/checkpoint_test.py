@@ -112,7 +112,7 @@ class Writing(Checkpoints):
             time.sleep(0.1)  # before that a signal kills
 
         def send(number):
-            if MPICH:  # its mpirun does not pass these on
+            if MPICH:  # its mpirun does not know the first, and may end with 0 after the second
                 os.kill(ranks_of(process.pid)[0], number)
             else:
                 process.send_signal(number)
