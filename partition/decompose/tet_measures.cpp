@@ -136,8 +136,8 @@ void TetMeasures::reserve(std::size_t tets) {
   face_areas.reserve(tets);
 }
 
-void TetMeasures::add(const TetCorners& p, const std::array<LogMetric, 4>& log_metrics) {
-  complexities.push_back(expected_complexity(p, log_metrics));
+void TetMeasures::add(const TetCorners& p, const std::array<LogMetric, 4>& log_metrics, double complexity) {
+  complexities.push_back(complexity);
   LogMetric mean;
   for (const LogMetric& l : log_metrics) mean = mean + 0.25 * l;
   const SymTensor inverse = unit_inverse(mean);

@@ -57,7 +57,8 @@ struct TetMeasures {
   std::vector<std::array<float, 4>> face_areas;  ///< Items::face_areas
 
   void reserve(std::size_t tets);
-  void add(const TetCorners& tet, const std::array<meshing::LogMetric, 4>& log_metrics);
+  /// `complexity`: its expected_complexity().
+  void add(const TetCorners& tet, const std::array<meshing::LogMetric, 4>& log_metrics, double complexity);
   /// The metric is that of `factor` times the complexity.
   void scale(double factor);
   std::vector<double> work() const { return work_of(complexities); }

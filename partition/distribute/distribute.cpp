@@ -154,11 +154,12 @@ void scale_metric(double factor, MeshSlice& slice) {
   for (meshing::LogMetric& l : slice.log_metrics) l = l + shift;
 }
 
-/// All of which is scaled as the metric is.
-TetMeasures measures_of(const TetPoints& points, std::size_t num_tets, double factor) {
+/// All of which is scaled as the metric is. `expected`: of each tet, before.
+TetMeasures measures_of(const TetPoints& points, std::span<const double> expected, double factor) {
   TetMeasures measures;
-  measures.reserve(num_tets);
-  for (std::size_t t = 0; t < num_tets; ++t) measures.add(points.corners(t), points.log_metrics(t));
+  measures.reserve(expected.size());
+  for (std::size_t t = 0; t < expected.size(); ++t)
+    measures.add(points.corners(t), points.log_metrics(t), expected[t]);
   if (factor != 1) measures.scale(factor);
   return measures;
 }
@@ -341,7 +342,6 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   if (options.target_complexity > 0 && result.complexity > 0) {
     factor = options.target_complexity / result.complexity;
     scale_metric(factor, slice);
-    for (double& c : measured.expected) c *= factor;
     result.complexity = options.target_complexity;
   }
   BoundaryShare boundary = complete_boundary(peers, slice, placed, points, tets);
@@ -354,12 +354,14 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   result.cut_by_runs = parts == options.num_subdomains && options.partitioner.runs_suffice &&
                        !options.equal_tets && is_nearly_right(result, slice.num_tets) &&
                        follow_each_other(peers, slice.tets);
-  if (result.cut_by_runs)
+  if (result.cut_by_runs) {
+    for (double& c : measured.expected) c *= factor;
     decomposition =
         decompose_by_runs(peers, points, tets, placed, work_of(measured.expected), *tet_points, parts);
-  else
-    decomposition = decompose_slice(peers, slice, points, measures_of(*tet_points, slice.tets.size(), factor),
+  } else {
+    decomposition = decompose_slice(peers, slice, points, measures_of(*tet_points, measured.expected, factor),
                                     options, parts);
+  }
   result.seeds = std::move(decomposition.seeds);
   measured = {};
   tet_points.reset();

@@ -33,9 +33,10 @@ LiveTets live_tets(const TetMesh& mesh) {
     const meshing::TetVertices v = mesh.vertices(TetId(i));
     live.ids.emplace_back(i);
     live.vertices.push_back({v[0].value, v[1].value, v[2].value, v[3].value});
-    live.measures.add(
-        {mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]), mesh.point(v[3])},
-        {mesh.log_metric(v[0]), mesh.log_metric(v[1]), mesh.log_metric(v[2]), mesh.log_metric(v[3])});
+    const TetCorners corners{mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]), mesh.point(v[3])};
+    const std::array<meshing::LogMetric, 4> log_metrics{mesh.log_metric(v[0]), mesh.log_metric(v[1]),
+                                                        mesh.log_metric(v[2]), mesh.log_metric(v[3])};
+    live.measures.add(corners, log_metrics, expected_complexity(corners, log_metrics));
   }
   return live;
 }

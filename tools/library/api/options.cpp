@@ -19,8 +19,7 @@ namespace {
 
 /// 0 means none, as it does for every size and share that is optional.
 void require_size(const char* option, double value) {
-  require(value == 0 || (value > 0 && std::isfinite(value)), option,
-          fmt::format("{} is not a positive number", value));
+  if (value != 0) require_positive(option, value);
 }
 
 void validate(const GeometryOptions& geometry) {
@@ -31,8 +30,7 @@ void validate(const GeometryOptions& geometry) {
           "--geometry",
           fmt::format("'{}' is no CAD model by its extension, known are {}", geometry.model,
                       meshing::model_extensions()));
-  require(geometry.model_scale > 0 && std::isfinite(geometry.model_scale), "--geometry-scale",
-          fmt::format("{} is not a positive number", geometry.model_scale));
+  require_positive("--geometry-scale", geometry.model_scale);
   require(geometry.model_scale == 1 || !geometry.model.empty(), "--geometry-scale", "requires --geometry");
 }
 

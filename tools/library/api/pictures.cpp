@@ -1,13 +1,13 @@
 // Pictures by the words of `weft view`.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <map>
 #include <stdexcept>
 #include <utility>
 
 #include "meshing/base/error.h"
 #include "tools/common/text.h"
+#include "tools/library/api/require.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/pictures/picture_options.h"
@@ -73,11 +73,6 @@ void read_cut(const PictureOptions& words, picture::PictureOptions& options) {
   options.cut = parsed("--clip", [&] { return tools::plane_in(words.clip, options.view.toward_eye); });
   if (words.flip) options.cut = {-1 * options.cut->normal, -options.cut->offset};
   options.planar = words.slice;
-}
-
-void require_positive(const char* option, double value) {
-  if (!(value > 0 && std::isfinite(value)))
-    throw OptionError(option, fmt::format("{} is not a positive number", value));
 }
 
 picture::PictureOptions options_of(const PictureOptions& words) {

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -265,8 +264,7 @@ void write_report(const std::string& folder, const Json& account, const std::str
 engine::SimulationOptions checked(const SimulatedRanks& ranks, const Options& options) {
   constexpr const char* kRanks = "--simulate-ranks";
   require_ranks(ranks.ranks, kRanks);
-  require(ranks.slowdown > 0 && std::isfinite(ranks.slowdown), "--simulate-slowdown",
-          fmt::format("{} is not a positive number", ranks.slowdown));
+  require_positive("--simulate-slowdown", ranks.slowdown);
   const CheckpointOptions& checkpoint = options.checkpoint;
   require(options.run.time_limit <= 0 && options.run.max_memory <= 0 && checkpoint.folder.empty() &&
               checkpoint.resume.empty(),

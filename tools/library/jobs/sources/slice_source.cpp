@@ -35,12 +35,10 @@ bool has_background(const Files& files) {
 void add_metric(Peers& peers, const Files& files, const Options& options,
                 const std::shared_ptr<const meshing::Model>& model, const std::atomic<bool>* interrupt,
                 SliceInput& input) {
-  Stopwatch watch;
   const std::optional<SurfaceBound> bound = surface_bound_in_parts(peers, options.geometry, input.slice);
   if (only_scaled(options.metric) && !bound) {
     input.target_complexity = options.metric.complexity;
     input.slice.log_metrics = metric_of_share(peers, options.metric, input.slice);
-    input.metric_seconds = watch.lap();
     return;
   }
   LogMetricMade made =
@@ -48,7 +46,6 @@ void add_metric(Peers& peers, const Files& files, const Options& options,
   input.slice.log_metrics = std::move(made.field);
   input.warnings = std::move(made.warnings);
   input.surface_limit = made.surface_limit;
-  input.metric_seconds = watch.lap();
 }
 
 /// With its metric; nobody looks at its boundary.
@@ -84,7 +81,11 @@ SliceInput read_share(Peers& peers, const Files& files, const Options& options,
   input.slice = std::move(share.slice);
   input.names = std::move(share.names);
   input.fields = read_fields_of_slice(peers, files.fields, input.slice, files.input);
-  if (!has_background(files)) add_metric(peers, files, options, model, interrupt, input);
+  if (!has_background(files)) {
+    Stopwatch watch;
+    add_metric(peers, files, options, model, interrupt, input);
+    input.metric_seconds = watch.lap();
+  }
   if (share.read_whole && peers.ranks() > 1)
     input.warnings.push_back(read_whole_warning(files.input, "meshes"));
   return input;
