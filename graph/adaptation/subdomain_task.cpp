@@ -312,7 +312,7 @@ partition::Priority SubdomainTask::priority_in(const AdaptationPlan& plan, std::
   constexpr double kFullFrom =
       2;  // times the prediction; 1.5 costs quality, 4 leaves subdomains of 4 times the work
   const bool fewest_first = plan.phases.size() > 1 && plan.shift_of(round) < kShiftsOfMany;
-  const std::uint64_t tets = count_tets(subdomain_);
+  const std::uint64_t tets = left_.plain.tets + left_.flagged.tets;
   if (fewest_first) return {~tets, subdomain_.id};
   const bool full = static_cast<double>(tets) > kFullFrom * predicted_tets_;
   return partition::priority_in(round, subdomain_.id, left_.plain.poor_tets + left_.flagged.poor_tets, full);

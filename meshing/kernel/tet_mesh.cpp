@@ -162,9 +162,7 @@ std::unique_ptr<TetMesh> reserve_tet_mesh(Room wanted, Room least, Pages pages) 
   }
 }
 
-CurveId TetMesh::curve(VertexId a, VertexId b) const {
-  if (std::min(kind(a), kind(b)) < VertexKind::ridge)
-    return {};  // only ridge vertices and corners; the table is slow
+CurveId TetMesh::listed_curve(VertexId a, VertexId b) const {
   decltype(curves_)::const_accessor found;
   return curves_.find(found, edge_key(a, b)) ? CurveId(found->second) : CurveId();
 }

@@ -4,6 +4,7 @@
 
 #include <tbb/concurrent_hash_map.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -215,7 +216,10 @@ class TetMesh {
 
   // --- feature edges ---
   /// The curve of edge (a, b), invalid when it is no feature edge. Both ends must be claimed.
-  CurveId curve(VertexId a, VertexId b) const;
+  CurveId curve(VertexId a, VertexId b) const {
+    if (std::min(kind(a), kind(b)) < VertexKind::ridge) return {};  // only between ridge vertices and corners
+    return listed_curve(a, b);
+  }
   void set_curve(VertexId a, VertexId b, CurveId c);  ///< an invalid curve erases
   /// (a, p) and (p, b) take the place of (a, b). An allocation that fails leaves (a, b).
   void divide_curve(VertexId a, VertexId p, VertexId b, CurveId c);
@@ -255,6 +259,7 @@ class TetMesh {
     std::atomic_ref(x).store(value, std::memory_order_relaxed);
   }
   void set_capacities(Room room);
+  CurveId listed_curve(VertexId a, VertexId b) const;
   static void set_bits(std::uint8_t& x, std::uint8_t m) {
     if ((load(x) & m) != m) std::atomic_ref(x).fetch_or(m, std::memory_order_relaxed);
   }

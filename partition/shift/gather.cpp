@@ -19,18 +19,17 @@ bool never_free(const TetMesh& mesh, VertexId v) { return !(mesh.flags(v) & kHas
 
 /// Marks vertices of poor tets and of those that touch them, by slot: any that is frozen may be in the way.
 /// None where much of the mesh is poor: then no mesh fits the metric, and the interface is not what is wrong.
-std::vector<std::uint8_t> near_poor_tets(const TetMesh& mesh) {
+std::vector<std::uint8_t> near_poor_tets(const Subdomain& s) {
+  const TetMesh& mesh = *s.mesh;
   std::vector<std::uint8_t> at(mesh.vertex_slots(), 0);
-  std::uint64_t poor = 0, all = 0;
-  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-    if (!mesh.alive(TetId(i))) continue;
-    ++all;
-    if (mesh.quality(TetId(i)) >= static_cast<float>(meshing::kShiftBelow)) continue;
+  std::uint64_t poor = 0;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {  // most are good: nothing else of them is read
+    if (mesh.quality(TetId(i)) >= static_cast<float>(meshing::kShiftBelow) || !mesh.alive(TetId(i))) continue;
     ++poor;
     for (const VertexId v : mesh.vertices(TetId(i))) at[v.value] = 1;
   }
   if (poor == 0) return at;
-  if (static_cast<double>(poor) > meshing::kMisfitShare * static_cast<double>(all))
+  if (static_cast<double>(poor) > meshing::kMisfitShare * static_cast<double>(count_tets(s)))
     return std::vector<std::uint8_t>(at.size(), 0);
   std::vector<std::uint8_t> near = at;
   for_each_tet_at(mesh, at, [&](TetId, const meshing::TetVertices& vertices) {
@@ -61,8 +60,8 @@ std::vector<Priority> priorities_of(std::span<const Proposal> proposals) {
 }
 
 std::vector<GlobalId> wanted(const Subdomain& s, std::uint64_t round) {
-  std::vector<std::uint8_t> poor(s.mesh->vertex_slots(), 0);
-  if (round < kRoundsForQuality) poor = near_poor_tets(*s.mesh);
+  const std::vector<std::uint8_t> poor =
+      round < kRoundsForQuality ? near_poor_tets(s) : std::vector<std::uint8_t>(s.mesh->vertex_slots(), 0);
   std::vector<GlobalId> ids;
   for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
     const VertexId v = s.interface.local(i);
@@ -102,6 +101,7 @@ std::size_t vertices_received(const Subdomain& s, const ReceiverOrder& order,
 std::vector<Parcel> gather(Subdomain& s, const Priority& mine, std::span<const GlobalId> wanted,
                            std::span<const Proposal> proposals, const ShiftOptions& options) {
   s.departures.clear();
+  s.frozen_since.clear();
   const auto wants_nothing = [](const Proposal& p) { return p.wants.empty(); };
   if (wanted.empty() && std::all_of(proposals.begin(), proposals.end(), wants_nothing))
     return empty_parcels(s);

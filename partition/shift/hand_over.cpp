@@ -37,7 +37,12 @@ std::vector<Parcel> pack(const Subdomain& s, const ReceiverOrder& order, const C
     packing_of[r] = &packing[meshing::place_in(receivers, order.subdomain(r), &Receiver::id)];
     packing_of[r]->reserve(tets_to[r]);
   }
-  for (const TetId t : chosen.leaving) packing_of[chosen.to[t.value]]->add(t);
+  constexpr std::size_t kAhead = 12;  // tets: their vertices were last used when the subdomain was adapted
+  for (std::size_t i = 0; i < chosen.leaving.size(); ++i) {
+    if (i + kAhead < chosen.leaving.size())
+      for (const VertexId v : s.mesh->vertices(chosen.leaving[i + kAhead])) s.mesh->prefetch(v);
+    packing_of[chosen.to[chosen.leaving[i].value]]->add(chosen.leaving[i]);
+  }
   std::vector<Parcel> parcels;
   for (std::size_t n = 0; n < packing.size(); ++n)
     parcels.push_back(packing[n].finish(chosen, departures, receivers[n].pieces, receivers[n].surface));
@@ -54,6 +59,7 @@ std::vector<Parcel> hand_over(Subdomain& s, const ReceiverOrder& order, const Ch
   for (const Departure& d : departures.of_interface) {
     s.departures.push_back({d.id, d.to});
     s.mesh->freeze(VertexId(d.vertex));
+    s.frozen_since.emplace_back(d.vertex);
   }
   remove_leaving(s, chosen, departures);
   return parcels;

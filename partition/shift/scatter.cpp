@@ -122,20 +122,21 @@ class Joining {
       local.push_back(v);
     }
     const std::uint32_t first = mesh_.take_tet_slots(static_cast<std::uint32_t>(parcel.tets.size()));
+    std::vector<TetId> tet_of(local.size());  // vertices lie further apart in memory
     for (std::uint32_t k = 0; k < parcel.tets.size(); ++k) {
       const Parcel::Tet& t = parcel.tets[k];
       const TetId id(first + k);
       for (int i = 0; i < 4; ++i) {
-        const VertexId v = local[t.vertices[i]];
-        mesh_.set_vertex(id, i, v);
+        mesh_.set_vertex(id, i, local[t.vertices[i]]);
+        tet_of[t.vertices[i]] = id;
         const std::uint32_t n = t.neighbours[i];
         mesh_.set_neighbour(id, i, n == meshing::kNoNeighbour ? TetFace() : TetFace(4 * first + n));
         mesh_.set_patch(id, i, t.patches[i]);
-        mesh_.set_tet_of(v, id);
       }
       mesh_.set_ref(id, t.ref);
       mesh_.set_quality(id, t.quality);
     }
+    for (std::size_t i = 0; i < local.size(); ++i) mesh_.set_tet_of(local[i], tet_of[i]);
     for (const Parcel::FeatureEdge& e : parcel.feature_edges)
       mesh_.set_curve(local[e.ends[0]], local[e.ends[1]], e.curve);
   }
@@ -305,8 +306,9 @@ std::vector<SubdomainId> notices_expected(std::span<const Holder> before) {
   return from;
 }
 
-/// Freezes the vertices of the new interface, which are among the frozen ones and those that have just
-/// arrived (ascending by id); thaws what was frozen and is none of them, and returns that.
+/// Freezes the vertices of the new interface, which are among those of the old one, those that gathering has
+/// frozen and those that have just arrived (ascending by id); thaws what was frozen and is none of them, and
+/// returns that.
 std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
                                         std::span<const VertexId> arrived) {
   std::vector<VertexId> thawed;
@@ -329,9 +331,9 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
     if (v.valid() && mesh.alive(v)) settle(v, among_old.find(s.interface.id(i)));
   }
   for (const VertexId v : arrived) settle(v, among_arrived.find(s.global_id(v)));
-  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
-    if (const VertexId v(i); mesh.frozen(v) && !settled[i] && mesh.alive(v))
-      settle(v, interface.find(s.global_id(v)));
+  for (const VertexId v : s.frozen_since)
+    if (mesh.frozen(v) && !settled[v.value] && mesh.alive(v)) settle(v, interface.find(s.global_id(v)));
+  s.frozen_since.clear();
   s.interface = std::move(interface);
   return thawed;
 }

@@ -109,7 +109,7 @@ meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surfa
 }
 
 meshing::NonconformingParts count_nonconforming(const Subdomain& s) {
-  constexpr std::uint32_t kSample = 256;  // vertices: about two thousand edges
+  constexpr std::uint32_t kSample = 64;  // vertices: about five hundred edges of each subdomain
   const std::uint32_t one_in = std::bit_floor(std::max(s.mesh->vertex_slots() / kSample, 1u));
   return meshing::count_nonconforming(*s.mesh, meshing::kFrozen | kWasInterface, one_in);
 }

@@ -17,6 +17,15 @@ bool in_two_pieces(const std::array<std::uint32_t, 4>& slots) {
          std::ranges::all_of(slots, [&](std::uint32_t s) { return s == slots[0] || s == *other; });
 }
 
+/// How many pieces some of the vertices are in: with a hundred vertices to a piece, nearly all that they are.
+std::size_t pieces_of_sample(const Subdomain& s) {
+  constexpr std::uint32_t kOneIn = 8;
+  BackgroundCover cover(s);
+  for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); i += kOneIn)
+    if (const meshing::VertexId v(i); s.mesh->alive(v)) cover.add(v);
+  return cover.pieces().size();
+}
+
 }  // namespace
 
 BackgroundTet BackgroundCover::add(meshing::VertexId v) {
@@ -105,6 +114,7 @@ std::vector<std::uint64_t> BackgroundCover::pieces() const {
 void drop_far_background(Subdomain& s) {
   constexpr std::size_t kMuch = 2;  // times what the vertices are in; what tets between them cover is little
   meshing::TetMesh& mesh = *s.mesh;
+  if (s.background.num_pieces() <= kMuch * pieces_of_sample(s)) return;
   BackgroundCover cover(s);
   std::vector<std::uint32_t> places(mesh.vertex_slots());
   std::vector<BackgroundTet> names;

@@ -20,7 +20,7 @@ void Subdomain::serialize(Archive& archive) {
     arrays = meshing::to_arrays(*mesh);
     surface_pieces.assign(surface.all().begin(), surface.all().end());
   }
-  archive(id, room_vertices, room_tets, next_local, interface, phase, departures, arrays);
+  archive(id, room_vertices, room_tets, next_local, interface, phase, departures, frozen_since, arrays);
   if constexpr (Archive::kPacks) {
     serialize_pieces(archive, background.all_pieces());
   } else {
