@@ -24,7 +24,7 @@ bool has_tets(const meshing::TetMesh& mesh) {
 
 bool has_fresh_tets(const meshing::TetMesh& mesh) {
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
-    if (mesh.alive(TetId(i)) && mesh.marks(TetId(i)) & meshing::kFresh) return true;
+    if ((mesh.marks(TetId(i)) & meshing::kFresh) != 0 && mesh.alive(TetId(i))) return true;
   return false;
 }
 

@@ -14,11 +14,12 @@ namespace weft::partition {
 template <class T, class F>
 void for_each_tet_at(const meshing::TetMesh& mesh, const std::vector<T>& at, F f) {
   const std::uint32_t slots = mesh.tet_slots();
+  const auto at_corner = [&](meshing::TetId t, int i) { return at[mesh.vertex(t, i).value]; };
   for (std::uint32_t i = 0; i < slots; ++i) {
     const meshing::TetId t(i);
-    const meshing::TetVertices v = mesh.vertices(t);
-    if ((at[v[0].value] | at[v[1].value] | at[v[2].value] | at[v[3].value]) == 0 || !mesh.alive(t)) continue;
-    f(t, v);
+    if ((at_corner(t, 0) | at_corner(t, 1) | at_corner(t, 2) | at_corner(t, 3)) == 0 || !mesh.alive(t))
+      continue;
+    f(t, mesh.vertices(t));
   }
 }
 
