@@ -1,11 +1,10 @@
 // One mailbox a rank, one run an exchange.
 #include "graph/dataflow/rank_exchange.h"
 
-#include <array>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <map>
-#include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -18,8 +17,7 @@ namespace {
 struct Mailbox;
 engine::MobilePtr<Mailbox> mailbox_of(int rank) { return {{engine::Rank(rank), 1}}; }
 
-/// What one or several ranks have given, one after the other: on its way through the tree nothing is done for
-/// each.
+/// What one or several ranks have given, one after the other: on its way nothing is done for each.
 struct Contributions {
   std::vector<std::int32_t> ranks;
   std::vector<std::uint64_t> sizes;
@@ -122,6 +120,37 @@ class Bundle {
   std::vector<std::byte> bytes_;
 };
 
+/// Whom a rank meets until it knows what all have given: ranks from the largest power of two on tell one of
+/// the others at first and hear from it at last; those meet in pairs, 1, 2, 4, ... ranks apart, and each
+/// tells the other all that it knows (recursive doubling; Thakur et al., 2005).
+class GatherSteps {
+ public:
+  struct Step {
+    std::int32_t partner = 0;
+    bool tells = false, hears = false;
+  };
+
+  GatherSteps(std::int32_t rank, std::int32_t ranks)
+      : rank_(rank),
+        ranks_(ranks),
+        paired_(static_cast<std::int32_t>(std::bit_floor(static_cast<std::uint32_t>(ranks)))) {}
+
+  std::int32_t count() const { return std::countr_zero(static_cast<std::uint32_t>(paired_)) + 2; }
+  Step operator[](std::int32_t step) const {
+    const bool first = step == 0, last = step + 1 == count();
+    if (!first && !last) {
+      const bool meets = rank_ < paired_;
+      return {rank_ ^ std::int32_t{1} << (step - 1), meets, meets};
+    }
+    if (rank_ >= paired_) return {rank_ - paired_, first, last};
+    const bool has_other = rank_ + paired_ < ranks_;
+    return {rank_ + paired_, has_other && last, has_other && first};
+  }
+
+ private:
+  std::int32_t rank_, ranks_, paired_;
+};
+
 /// Without serialize(): it never moves.
 struct Mailbox {
   std::vector<engine::Payload> from_each;
@@ -135,9 +164,12 @@ struct Mailbox {
   bool opened = false;                 ///< all steps are over
   std::int64_t large_missing = 0;      ///< announced by empty ones, less those that have come
 
-  // Of the tree: rank r has the children 2 r + 1 and 2 r + 2. What has come from this rank and its children.
-  std::array<std::optional<Contributions>, 3> parts;
-  Contributions all;
+  // Of what all ranks give (GatherSteps): what is known of it here after `meeting` steps.
+  Contributions known;
+  std::map<std::int32_t, Contributions> met;  ///< by step; a rank may be steps ahead
+  std::int32_t meeting = 0;
+  bool gave = false, told = false;  ///< told: this step's partner
+  bool gathered = false;
   const RankExchange::Combine* combine = nullptr;  ///< null: all are kept
 
   /// A large one.
@@ -182,36 +214,39 @@ struct Mailbox {
     opened = true;
   }
 
-  void rise(engine::Context& context, std::int32_t from, Contributions part) {
-    const int rank = context.rank().value, ranks = context.ranks();
-    parts.at(static_cast<std::size_t>(from == rank ? 0 : from - 2 * rank)) = std::move(part);
-    for (int k = 0; k < 3; ++k)
-      if ((k == 0 || 2 * rank + k < ranks) && !parts[static_cast<std::size_t>(k)]) return;
-    Contributions sum = joined();
-    if (rank > 0)
-      context.invoke<&Mailbox::rise>(mailbox_of((rank - 1) / 2), rank, std::move(sum));
-    else
-      sink(context, std::move(sum));
+  void give(engine::Context& context, Contributions mine) {
+    known = std::move(mine);
+    gave = true;
+    meet_on(context);
   }
-
-  void sink(engine::Context& context, Contributions sum) {
-    for (int child = 2 * context.rank().value + 1; child <= 2 * context.rank().value + 2; ++child)
-      if (child < context.ranks()) context.invoke<&Mailbox::sink>(mailbox_of(child), sum);
-    all = std::move(sum);
+  void meet(engine::Context& context, std::int32_t at_step, Contributions theirs) {
+    met[at_step] = std::move(theirs);
+    meet_on(context);
   }
-  bool gathered() const { return !all.ranks.empty(); }
-
-  Contributions joined() {
-    Contributions sum = std::move(*parts[0]);
-    for (std::size_t k = 1; k < parts.size(); ++k) {
-      if (!parts[k]) continue;
-      if (combine != nullptr)
-        (*combine)(sum.bytes, parts[k]->bytes);
+  void meet_on(engine::Context& context) {
+    const GatherSteps steps(context.rank().value, context.ranks());
+    for (; gave && meeting < steps.count(); ++meeting, told = false) {
+      const auto [partner, tells, hears] = steps[meeting];
+      if (tells && !std::exchange(told, true))
+        context.invoke<&Mailbox::meet>(mailbox_of(partner), meeting, known);
+      if (!hears) continue;
+      const auto here = met.find(meeting);
+      if (here == met.end()) return;
+      if (meeting + 1 == steps.count())
+        known = std::move(here->second);
       else
-        sum.append(*parts[k]);
-      parts[k].reset();
+        join(std::move(here->second), partner < context.rank().value);
+      met.erase(here);
     }
-    return sum;
+    gathered = gave;
+  }
+  /// Lower ranks' first, so that all ranks get the same bits.
+  void join(Contributions theirs, bool are_first) {
+    if (are_first) std::swap(known, theirs);
+    if (combine != nullptr)
+      (*combine)(known.bytes, theirs.bytes);
+    else
+      known.append(theirs);
   }
 };
 
@@ -222,18 +257,20 @@ Mailbox& mailbox_here(engine::Runtime& runtime) {
   return *here;
 }
 
-/// Up and down the tree.
+/// What all ranks give.
 Contributions gather(engine::Runtime& runtime, RankExchange::Bytes mine,
                      const RankExchange::Combine* combine) {
   Mailbox& mailbox = mailbox_here(runtime);
-  mailbox.parts = {}, mailbox.all = {}, mailbox.combine = combine;
-  runtime.run_until([&] { return mailbox.gathered(); },
+  mailbox.meeting = 0;
+  mailbox.gave = mailbox.told = mailbox.gathered = false;
+  mailbox.combine = combine;
+  runtime.run_until([&] { return mailbox.gathered; },
                     [&](engine::Context& context) {
                       const std::int32_t rank = context.rank().value;
                       Contributions part{{rank}, {mine.size()}, std::move(mine)};
-                      context.invoke<&Mailbox::rise>(mailbox_of(rank), rank, std::move(part));
+                      context.invoke<&Mailbox::give>(mailbox_of(rank), std::move(part));
                     });
-  return std::exchange(mailbox.all, {});
+  return std::exchange(mailbox.known, {});
 }
 
 }  // namespace
@@ -243,8 +280,8 @@ void RankExchange::register_types(engine::Registry& registry) {
       .method<&Mailbox::put>("put")
       .method<&Mailbox::begin>("begin")
       .method<&Mailbox::pass>("pass")
-      .method<&Mailbox::rise>("rise")
-      .method<&Mailbox::sink>("sink");
+      .method<&Mailbox::give>("give")
+      .method<&Mailbox::meet>("meet");
 }
 
 RankExchange::RankExchange(engine::Runtime& runtime) : runtime_(runtime) {

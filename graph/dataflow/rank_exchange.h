@@ -40,14 +40,15 @@ class RankExchange {
   std::vector<engine::Payload> exchange(std::vector<engine::Payload> to_each);
 
   using Bytes = std::vector<std::byte>;
-  /// What each rank gives, [r] of rank r, on all ranks. Up and down a binary tree: two messages a rank.
+  /// What each rank gives, [r] of rank r, on all ranks: log2 of the ranks in messages, one after the other
+  /// (two more where that is no whole number). Half the steps of a tree, up and down.
   std::vector<Bytes> allgather(Bytes mine);
   /// The same, one after the other in the order of the ranks.
   Bytes allgather_joined(Bytes mine);
 
-  /// Puts the second into the first. Called in the order of the tree, which depends on the number of ranks.
+  /// Puts the second, of higher ranks, into the first. In which groups depends on the number of ranks.
   using Combine = std::function<void(Bytes& sum, const Bytes& more)>;
-  /// What all ranks give, combined, on all ranks, over the same tree.
+  /// What all ranks give, combined, on all ranks; in the same way.
   Bytes reduce(Bytes mine, const Combine& combine);
 
  private:

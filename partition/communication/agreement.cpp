@@ -10,7 +10,7 @@
 namespace weft::partition {
 namespace {
 
-/// Of the ranks that have one, on all; empty where none has. Over the tree a rank and one text travel.
+/// Of the ranks that have one, on all; empty where none has. In each message a rank and one text travel.
 std::string text_of_lowest(Peers& peers, bool has, const std::string& text) {
   std::uint32_t rank = has ? static_cast<std::uint32_t>(peers.rank()) : ~std::uint32_t{0};
   const auto rank_in = [](const Bytes& bytes) {

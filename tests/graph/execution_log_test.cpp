@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <tuple>
 
@@ -216,8 +217,8 @@ TEST(CommonClock, ShiftsWhatHappenedByTheRankWhereItDid) {
   EXPECT_THROW(to_common_clock({0}, log), std::out_of_range) << "there is no rank 1";
 }
 
-TEST(RankExchange, GathersAndReducesOverATree) {
-  for (const int ranks : {1, 2, 3, 7, 16}) {
+TEST(RankExchange, GathersAndReduces) {
+  for (const int ranks : {1, 2, 3, 5, 7, 12, 16}) {
     on_ranks(ranks, [&](Transport& transport) {
       Registry registry;
       RankExchange::register_types(registry);
@@ -238,6 +239,14 @@ TEST(RankExchange, GathersAndReducesOverATree) {
           whole[0] = std::byte(std::to_integer<int>(whole[0]) + std::to_integer<int>(more[0]));
         });
         EXPECT_EQ(sum, RankExchange::Bytes{std::byte(ranks * (ranks - 1) / 2 + ranks * time)});
+        // Also where the order matters all get the same, of each rank once.
+        const auto in_order = exchange.reduce({std::byte(rank)}, [](auto& whole, const auto& more) {
+          whole.insert(whole.end(), more.begin(), more.end());
+        });
+        for (const RankExchange::Bytes& of_rank : exchange.allgather(in_order)) EXPECT_EQ(of_rank, in_order);
+        const std::set<std::byte> different(in_order.begin(), in_order.end());
+        EXPECT_EQ(in_order.size(), static_cast<std::size_t>(ranks));
+        EXPECT_EQ(different.size(), static_cast<std::size_t>(ranks));
       }
     });
   }
