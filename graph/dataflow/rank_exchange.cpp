@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -151,24 +152,48 @@ class GatherSteps {
   std::int32_t rank_, ranks_, paired_;
 };
 
+/// Where this rank is on a way in steps, in each of which something may come; other ranks may be steps ahead.
+template <class T>
+class StepByStep {
+ public:
+  void restart() { *this = {}; }
+  void begin() { began_ = true; }
+  bool began() const { return began_; }
+  std::int32_t step() const { return step_; }
+  /// True once a step.
+  bool is_to_send() { return !std::exchange(sent_, true); }
+  void arrive(std::int32_t at_step, T something) { arrived_[at_step] = std::move(something); }
+  /// Of this step; nothing if it has not come.
+  std::optional<T> take() {
+    auto here = arrived_.extract(step_);
+    if (here.empty()) return {};
+    return std::move(here.mapped());
+  }
+  void next() {
+    ++step_;
+    sent_ = false;
+  }
+
+ private:
+  std::int32_t step_ = 0;
+  bool began_ = false, sent_ = false;
+  std::map<std::int32_t, T> arrived_;
+};
+
 /// Without serialize(): it never moves.
 struct Mailbox {
   std::vector<engine::Payload> from_each;
 
-  // Of small payloads, on their way through this rank: after `step` steps those are here whose way from here,
-  // upwards and round, is a multiple of 2^step ranks.
+  // Of small payloads, on their way through this rank: after so many steps those are here whose way from
+  // here, upwards and round, is a multiple of 2^steps ranks.
   Bundle held;
-  std::map<std::int32_t, Bundle> arrived;  ///< by step; a rank may be steps ahead
-  std::int32_t step = 0;
-  bool began = false, passed = false;  ///< passed: this step's messages have gone on
-  bool opened = false;                 ///< all steps are over
-  std::int64_t large_missing = 0;      ///< announced by empty ones, less those that have come
+  StepByStep<Bundle> passing;
+  bool opened = false;             ///< all steps are over
+  std::int64_t large_missing = 0;  ///< announced by empty ones, less those that have come
 
-  // Of what all ranks give (GatherSteps): what is known of it here after `meeting` steps.
+  // Of what all ranks give (GatherSteps): what is known of it here.
   Contributions known;
-  std::map<std::int32_t, Contributions> met;  ///< by step; a rank may be steps ahead
-  std::int32_t meeting = 0;
-  bool gave = false, told = false;  ///< told: this step's partner
+  StepByStep<Contributions> meeting;
   bool gathered = false;
   const RankExchange::Combine* combine = nullptr;  ///< null: all are kept
 
@@ -181,29 +206,26 @@ struct Mailbox {
 
   void begin(engine::Context& context, Bundle mine) {
     held = std::move(mine);
-    began = true;
+    passing.begin();
     pass_on(context);
   }
   void pass(engine::Context& context, std::int32_t at_step, Bundle messages) {
-    arrived[at_step] = std::move(messages);
+    passing.arrive(at_step, std::move(messages));
     pass_on(context);
   }
   void pass_on(engine::Context& context) {
+    if (!passing.began()) return;
     const std::int32_t rank = context.rank().value, ranks = context.ranks();
-    while (began && std::int64_t{1} << step < ranks) {
-      const std::int32_t stride = std::int32_t{1} << step;
-      if (!std::exchange(passed, true))
-        context.invoke<&Mailbox::pass>(mailbox_of((rank + stride) % ranks), step, held.take([&](int to) {
-          return ((to - rank + ranks) % ranks & stride) != 0;
-        }));
-      const auto here = arrived.find(step);
-      if (here == arrived.end()) return;
-      held.append(here->second);
-      arrived.erase(here);
-      passed = false;
-      ++step;
+    for (; std::int64_t{1} << passing.step() < ranks; passing.next()) {
+      const std::int32_t stride = std::int32_t{1} << passing.step();
+      if (passing.is_to_send())
+        context.invoke<&Mailbox::pass>(
+            mailbox_of((rank + stride) % ranks), passing.step(),
+            held.take([&](int to) { return ((to - rank + ranks) % ranks & stride) != 0; }));
+      const std::optional<Bundle> here = passing.take();
+      if (!here) return;
+      held.append(*here);
     }
-    if (!began) return;
     held.open([&](int from, engine::Payload payload) {
       if (payload.size() == 0)
         ++large_missing;
@@ -216,29 +238,29 @@ struct Mailbox {
 
   void give(engine::Context& context, Contributions mine) {
     known = std::move(mine);
-    gave = true;
+    meeting.begin();
     meet_on(context);
   }
   void meet(engine::Context& context, std::int32_t at_step, Contributions theirs) {
-    met[at_step] = std::move(theirs);
+    meeting.arrive(at_step, std::move(theirs));
     meet_on(context);
   }
   void meet_on(engine::Context& context) {
+    if (!meeting.began()) return;
     const GatherSteps steps(context.rank().value, context.ranks());
-    for (; gave && meeting < steps.count(); ++meeting, told = false) {
-      const auto [partner, tells, hears] = steps[meeting];
-      if (tells && !std::exchange(told, true))
-        context.invoke<&Mailbox::meet>(mailbox_of(partner), meeting, known);
+    for (; meeting.step() < steps.count(); meeting.next()) {
+      const auto [partner, tells, hears] = steps[meeting.step()];
+      if (tells && meeting.is_to_send())
+        context.invoke<&Mailbox::meet>(mailbox_of(partner), meeting.step(), known);
       if (!hears) continue;
-      const auto here = met.find(meeting);
-      if (here == met.end()) return;
-      if (meeting + 1 == steps.count())
-        known = std::move(here->second);
+      std::optional<Contributions> here = meeting.take();
+      if (!here) return;
+      if (meeting.step() + 1 == steps.count())
+        known = std::move(*here);
       else
-        join(std::move(here->second), partner < context.rank().value);
-      met.erase(here);
+        join(std::move(*here), partner < context.rank().value);
     }
-    gathered = gave;
+    gathered = true;
   }
   /// Lower ranks' first, so that all ranks get the same bits.
   void join(Contributions theirs, bool are_first) {
@@ -261,8 +283,8 @@ Mailbox& mailbox_here(engine::Runtime& runtime) {
 Contributions gather(engine::Runtime& runtime, RankExchange::Bytes mine,
                      const RankExchange::Combine* combine) {
   Mailbox& mailbox = mailbox_here(runtime);
-  mailbox.meeting = 0;
-  mailbox.gave = mailbox.told = mailbox.gathered = false;
+  mailbox.meeting.restart();
+  mailbox.gathered = false;
   mailbox.combine = combine;
   runtime.run_until([&] { return mailbox.gathered; },
                     [&](engine::Context& context) {
@@ -304,9 +326,8 @@ std::vector<engine::Payload> RankExchange::exchange(std::vector<engine::Payload>
   Mailbox& mailbox = mailbox_here(runtime_);
   mailbox.from_each.clear();
   mailbox.from_each.resize(static_cast<std::size_t>(ranks));
-  mailbox.step = 0;
+  mailbox.passing.restart();
   mailbox.large_missing = 0;
-  mailbox.began = mailbox.passed = false;
   mailbox.opened = ranks == 1;
   const auto root = [&](engine::Context& context) {
     if (to_each.size() != static_cast<std::size_t>(ranks)) {

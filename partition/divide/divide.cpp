@@ -123,6 +123,7 @@ Chosen choose_parts(const Subdomain& s, const DivisionOptions& options, const me
 
 Divided divide(Subdomain& s, const DivisionOptions& options, const meshing::Surface* surface) {
   s.departures.clear();
+  s.frozen_since.clear();
   std::vector<Priority> parts;
   for (std::uint32_t p = 1; p < options.num_parts; ++p) parts.push_back({0, SubdomainId(s.id.value + p)});
   const ReceiverOrder order({0, s.id}, parts);

@@ -58,8 +58,10 @@ std::vector<Parcel> hand_over(Subdomain& s, const ReceiverOrder& order, const Ch
   std::vector<Parcel> parcels = pack(s, order, chosen, departures.of_interface, index, receivers);
   for (const Departure& d : departures.of_interface) {
     s.departures.push_back({d.id, d.to});
-    s.mesh->freeze(VertexId(d.vertex));
-    s.frozen_since.emplace_back(d.vertex);
+    const VertexId v(d.vertex);
+    if (!s.frozen_since.empty() && s.frozen_since.back() == v) continue;  // goes to several
+    s.mesh->freeze(v);
+    s.frozen_since.push_back(v);
   }
   remove_leaving(s, chosen, departures);
   return parcels;

@@ -333,7 +333,6 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
   for (const VertexId v : arrived) settle(v, among_arrived.find(s.global_id(v)));
   for (const VertexId v : s.frozen_since)
     if (mesh.frozen(v) && !settled[v.value] && mesh.alive(v)) settle(v, interface.find(s.global_id(v)));
-  s.frozen_since.clear();
   s.interface = std::move(interface);
   return thawed;
 }
@@ -413,6 +412,7 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
   const std::vector<VertexId> thawed =
       replace_interface(s, Interface(new_lines(s, now, before)), joining.arrived());
   s.departures.clear();
+  s.frozen_since.clear();
   result.thawed = thawed.size();
   freshen(s, thawed);
   drop_far_background(s);

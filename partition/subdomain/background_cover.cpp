@@ -23,7 +23,7 @@ std::size_t pieces_of_sample(const Subdomain& s) {
   BackgroundCover cover(s);
   for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); i += kOneIn)
     if (const meshing::VertexId v(i); s.mesh->alive(v)) cover.add(v);
-  return cover.pieces().size();
+  return cover.num_pieces();
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ void drop_far_background(Subdomain& s) {
     places[i] = static_cast<std::uint32_t>(names.size());
     names.push_back(cover.add(meshing::VertexId(i)));
   }
-  if (s.background.num_pieces() <= kMuch * cover.pieces().size()) return;
+  if (s.background.num_pieces() <= kMuch * cover.num_pieces()) return;
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
     const meshing::TetId t(i);
     if (!mesh.alive(t)) continue;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -23,6 +24,7 @@ class BackgroundCover {
   /// A tet, with the places of its vertices; once all vertices have come.
   void add(meshing::TetId t, const std::array<std::uint32_t, 4>& places);
 
+  std::size_t num_pieces() const { return covered_.size(); }
   /// Their ids, ascending.
   std::vector<std::uint64_t> pieces() const;
 

@@ -44,7 +44,8 @@ struct Subdomain {
   /// Where the tets around vertices of the old interface have gone from here: between gathering and
   /// scattering.
   std::vector<Holder> departures;
-  /// Vertices that gathering has frozen; some were before. Until scattering they are not of the interface.
+  /// The vertices of these that are or were here, by slot, which gathering has frozen: also those that are
+  /// not of the interface until scattering.
   std::vector<meshing::VertexId> frozen_since;
 
   GlobalId global_id(meshing::VertexId v) const { return GlobalId::from_value(mesh->label(v)); }
