@@ -9,6 +9,7 @@
 #include "partition/coordinate/boundary_coordinate.h"
 #include "partition/decompose/decomposition.h"
 #include "partition/decompose/tet_measures.h"
+#include "partition/divide/pieces_of_parts.h"
 #include "partition/shift/hand_over.h"
 
 namespace weft::partition {
@@ -100,23 +101,32 @@ Decomposition parts_of(const TetMesh& mesh, const LiveTets& live, const Division
                    options.num_parts, options.partitioner);
 }
 
-/// The subdomain keeps the first part. `warning`: what is to be said of the parts.
-Chosen choose_parts(const Subdomain& s, const DivisionOptions& options, const meshing::Surface* surface,
-                    const ReceiverOrder& order, std::string& warning) {
+struct ChosenParts {
   Chosen chosen;
+  std::vector<std::vector<std::uint64_t>> pieces;  ///< of the background, by part; empty: not known
+  std::string warning;                             ///< what is to be said of the parts
+};
+
+/// The subdomain keeps the first part.
+ChosenParts choose_parts(const Subdomain& s, const DivisionOptions& options, const meshing::Surface* surface,
+                         const ReceiverOrder& order) {
+  ChosenParts result;
+  result.pieces.resize(options.num_parts);
+  Chosen& chosen = result.chosen;
   chosen.to.assign(s.mesh->tet_slots(), kNobody);
-  if (options.num_parts == 1 || options.keeps_all) return chosen;
+  if (options.num_parts == 1 || options.keeps_all) return result;
   const LiveTets live = live_tets(*s.mesh);
-  if (live.ids.empty()) return chosen;
+  if (live.ids.empty()) return result;
   Decomposition decomposition = parts_of(*s.mesh, live, options, surface);
   const std::vector<SubdomainId>& parts = decomposition.subdomains;
-  warning = std::move(decomposition.warning);
+  result.warning = std::move(decomposition.warning);
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (parts[k].value == 0) continue;
     chosen.to[live.ids[k].value] = order.place_of(SubdomainId(s.id.value + parts[k].value));
     chosen.leaving.push_back(live.ids[k]);
   }
-  return chosen;
+  result.pieces = pieces_of_parts(s, live.vertices, parts, options.num_parts);
+  return result;
 }
 
 }  // namespace
@@ -127,13 +137,15 @@ Divided divide(Subdomain& s, const DivisionOptions& options, const meshing::Surf
   std::vector<Priority> parts;
   for (std::uint32_t p = 1; p < options.num_parts; ++p) parts.push_back({0, SubdomainId(s.id.value + p)});
   const ReceiverOrder order({0, s.id}, parts);
+  const ChosenParts chosen = choose_parts(s, options, surface, order);
   std::vector<Receiver> receivers;
-  for (const SubdomainId neighbour : s.interface.neighbours()) receivers.push_back({neighbour, {}, {}});
-  for (const Priority& part : parts) receivers.push_back({part.id, {}, {}});
+  for (const SubdomainId neighbour : s.interface.neighbours()) receivers.push_back({neighbour, {}, {}, {}});
+  for (std::uint32_t p = 1; p < options.num_parts; ++p)
+    receivers.push_back({parts[p - 1].id, {}, {}, chosen.pieces[p]});
   std::ranges::sort(receivers, {}, &Receiver::id);
   Divided result;
-  const Chosen chosen = choose_parts(s, options, surface, order, result.warning);
-  std::vector<Parcel> parcels = hand_over(s, order, chosen, receivers);
+  result.warning = chosen.warning;
+  std::vector<Parcel> parcels = hand_over(s, order, chosen.chosen, receivers);
   for (std::size_t i = 0; i < parcels.size(); ++i)
     result.parcels.push_back({receivers[i].id, std::move(parcels[i])});
   return result;

@@ -111,7 +111,7 @@ std::vector<Parcel> gather(Subdomain& s, const Priority& mine, std::span<const G
   const auto neighbours = s.interface.neighbours();
   std::vector<Receiver> receivers;
   for (std::size_t n = 0; n < neighbours.size(); ++n)
-    receivers.push_back({neighbours[n], proposals[n].pieces, proposals[n].surface});
+    receivers.push_back({neighbours[n], proposals[n].pieces, proposals[n].surface, {}});
   return hand_over(s, choice.order(), chosen, receivers);
 }
 

@@ -45,7 +45,7 @@ std::vector<Parcel> pack(const Subdomain& s, const ReceiverOrder& order, const C
   }
   std::vector<Parcel> parcels;
   for (std::size_t n = 0; n < packing.size(); ++n)
-    parcels.push_back(packing[n].finish(chosen, departures, receivers[n].pieces, receivers[n].surface));
+    parcels.push_back(packing[n].finish(chosen, departures, receivers[n]));
   return parcels;
 }
 

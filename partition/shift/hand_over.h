@@ -15,6 +15,8 @@ struct Receiver {
   SubdomainId id;
   std::span<const std::uint64_t> pieces;   ///< of the background, that it has already; ascending
   std::span<const std::uint32_t> surface;  ///< the same of the surface
+  /// Of the background, that its new tets cover beside those of their vertices; ascending. Empty: not known.
+  std::span<const std::uint64_t> covered;
 };
 
 /// A parcel for each receiver, in their order; removes what leaves from the mesh, and notes in

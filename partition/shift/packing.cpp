@@ -50,14 +50,13 @@ void Packing::add(TetId t) {
 }
 
 Parcel Packing::finish(const Chosen& chosen, const std::vector<Departure>& departures,
-                       std::span<const std::uint64_t> pieces, std::span<const std::uint32_t> surface) {
+                       const Receiver& receiver) {
   name_neighbours(chosen);
   for (const Departure& d : departures)
     if (concerns_receiver(d.vertex)) parcel_.now.push_back({d.id, d.to});
   for (const std::uint32_t v : vertices_) add_previous_holders(v);
-  for (std::size_t i = 0; i < tets_.size(); ++i) background_.add(tets_[i], parcel_.tets[i].vertices);
-  add_pieces(pieces);
-  add_surface(surface);
+  add_pieces(receiver);
+  add_surface(receiver.surface);
   return std::move(parcel_);
 }
 
@@ -106,10 +105,12 @@ void Packing::add_previous_holders(std::uint32_t vertex) {
   for (const Holder& h : s_.interface.others(i)) parcel_.before.push_back(h);
 }
 
-void Packing::add_pieces(std::span<const std::uint64_t> there) {
-  const std::vector<std::uint64_t> pieces = background_.pieces();
-  std::vector<std::uint64_t> missing;
-  std::set_difference(pieces.begin(), pieces.end(), there.begin(), there.end(), std::back_inserter(missing));
+void Packing::add_pieces(const Receiver& receiver) {
+  if (receiver.covered.empty())
+    for (std::size_t i = 0; i < tets_.size(); ++i) background_.add(tets_[i], parcel_.tets[i].vertices);
+  std::vector<std::uint64_t> pieces, missing;
+  std::ranges::set_union(background_.pieces(), receiver.covered, std::back_inserter(pieces));
+  std::ranges::set_difference(pieces, receiver.pieces, std::back_inserter(missing));
   parcel_.pieces = s_.background.pieces(missing);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "partition/shift/departures.h"
+#include "partition/shift/hand_over.h"
 #include "partition/subdomain/background_cover.h"
 
 namespace weft::partition {
@@ -22,10 +23,7 @@ class Packing {
   void reserve(std::size_t tets);
   void add(meshing::TetId t);
 
-  /// `pieces`: of the background, those that the receiver has already; ascending. `surface`: the same of the
-  /// surface.
-  Parcel finish(const Chosen& chosen, const std::vector<Departure>& departures,
-                std::span<const std::uint64_t> pieces, std::span<const std::uint32_t> surface);
+  Parcel finish(const Chosen& chosen, const std::vector<Departure>& departures, const Receiver& receiver);
 
  private:
   static constexpr std::uint32_t kNoPlace = 0xFFFFFFFFu;
@@ -35,7 +33,7 @@ class Packing {
   void name_neighbours(const Chosen& chosen);
   bool concerns_receiver(std::uint32_t vertex) const;
   void add_previous_holders(std::uint32_t vertex);
-  void add_pieces(std::span<const std::uint64_t> there);
+  void add_pieces(const Receiver& receiver);
   void add_surface(std::span<const std::uint32_t> there);
 
   const Subdomain& s_;

@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <random>
 
 #include "partition/decompose/decomposition.h"
 #include "tests/partition/shift/shift_checks.h"
+#include "tests/support/kernel.h"
 
 namespace weft::partition::divide_test {
 namespace {
@@ -118,6 +120,48 @@ TEST(Division, LeavesTheBackgroundThatIsCovered) {
       ASSERT_NEAR(trace(sample.log_metric), trace(s.mesh->log_metric(v)), 1e-9) << s.id.value;
     }
   }
+}
+
+/// A fine cube has become a few hundred tets, each of which covers some hundreds of the input's.
+TEST(Division, OfAMeshThatIsCoarserThanItsBackgroundLeavesAllThatIsCovered) {
+  constexpr std::uint32_t kOfCube = 6;
+  Scene scene{"cube", unit_cube(26), {}, {}, kOfCube, false};
+  scene.log_metrics = uniform_metric(scene.mesh, 0.4);
+  scene.part.assign(scene.mesh.tets.size(), SubdomainId(0));
+  const Cut cut = scene.cut();
+  Rounds rounds(cut, scene.hausd(), {});
+  rounds.options().coarsen = true;
+  rounds.adapt(meshing::Extent::everything);
+  ASSERT_LT(count_tets(rounds.subdomains()[0]), 400u);
+  BackgroundStore whole;
+  whole.add(rounds.subdomains()[0].background.all_pieces());
+  std::vector<std::uint32_t> parts(kOfCube, 0);
+  parts[0] = kOfCube;
+  rounds.divide(parts);
+  EXPECT_EQ(rounds.update(), 0);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> weight(0.01, 1);
+  std::size_t points = 0, without = 0, pieces = 0;
+  for (const Subdomain& s : rounds.subdomains()) {
+    pieces += s.background.num_pieces();
+    for (std::uint32_t i = 0; i < s.mesh->tet_slots(); ++i) {
+      if (!s.mesh->alive(meshing::TetId(i))) continue;
+      for (int k = 0; k < 200; ++k, ++points) {
+        double sum = 0;
+        meshing::Point p;
+        for (const meshing::VertexId v : s.mesh->vertices(meshing::TetId(i))) {
+          const double w = weight(random);
+          p += w * s.mesh->point(v);
+          sum += w;
+        }
+        const auto there = whole.background().walk_towards((1 / sum) * p, meshing::Background::kNoHint);
+        ASSERT_TRUE(there.reached);
+        without += !s.background.has(whole.name_of(there.tet).piece);
+      }
+    }
+  }
+  EXPECT_EQ(without, 0u) << "of " << points << " points";
+  EXPECT_LT(pieces, 4 * whole.num_pieces()) << "parts have about what they cover";
 }
 
 TEST(Division, OfOneIntoOneChangesNothing) {
