@@ -32,6 +32,9 @@ class BalanceActions {
   /// Objects that wait for a worker here and can move, in the order in which they would be handled.
   virtual std::vector<ReadyObject> ready_objects() const = 0;
 
+  /// How many objects that it has sent messages to are on `to`, as far as this rank knows, less those here.
+  virtual int ties(ObjectId id, Rank to) const = 0;
+
   /// Processor seconds that moving an object takes the ranks in all, judged by the latest that have moved
   /// from here; nothing while they are too few to judge by.
   virtual std::optional<double> move_seconds() const = 0;
@@ -81,9 +84,10 @@ using BalancerFactory = std::function<std::unique_ptr<Balancer>(Rank rank, int r
 /// Objects stay where they are put.
 BalancerFactory no_balancing();
 
-/// A rank with an idle worker asks others, most loaded first as far as it knows, then at random; a rank with
-/// work to spare gives half the difference, another remembers the asker and gives when it has some (lifelines
-/// along a hypercube, Saraswat et al., PPoPP 2011). Nothing is sent while all are busy or all idle.
+/// A rank with an idle worker asks others, most loaded first as far as it knows, near ones before all, then
+/// at random; a rank with work to spare gives half the difference, the objects with fewest partners here
+/// first, another remembers the asker and tells it when it has some (lifelines along a hypercube, Saraswat et
+/// al., PPoPP 2011). Nothing is sent while all are busy or all idle.
 BalancerFactory work_stealing();
 
 /// Neighbours on a hypercube tell each other their load when it changes and even it out by first-order

@@ -1,8 +1,10 @@
 // Work stealing with lifelines.
 #include <algorithm>
-#include <deque>
+#include <optional>
 #include <random>
 #include <unordered_set>
+#include <utility>
+#include <vector>
 
 #include "engine/balance/balancer.h"
 #include "engine/balance/worth.h"
@@ -20,15 +22,19 @@ class WorkStealing final : public Balancer {
   WorkStealing(Rank rank, int ranks)
       : rank_(rank), ranks_(ranks), random_(static_cast<unsigned>(rank.value) + 1) {}
 
-  void step(BalanceActions& actions, TimePoint) override {
+  void step(BalanceActions& actions, TimePoint time) override {
     const Load load = actions.load();
     if (load.queued_seconds > kWork) tried_ = 0;  // others may have heard of it, and forgotten this rank
     if (load.ready > 0) {
-      feed_hungry(actions);
-    } else if (load.busy < load.workers && !asking_ && tried_ < tries()) {
-      ask(actions, load);
+      offer_to_hungry(actions, load, time);
+    } else {
+      next_offers_.reset();
+      if (wants_work(load)) ask_next(actions, load);
     }
   }
+
+  /// While some ask in vain, and there is work.
+  std::optional<TimePoint> next_step() const override { return next_offers_; }
 
   void told(Rank from, const BalanceMessage& message, BalanceActions& actions) override {
     switch (static_cast<Kind>(message.kind)) {
@@ -38,19 +44,24 @@ class WorkStealing final : public Balancer {
           remember(from, actions);
         }
         break;
+      case Kind::offer:
+        offer_ = from;
+        if (const Load load = actions.load(); wants_work(load)) ask_next(actions, load);
+        break;
       case Kind::given:
         asking_ = false;
+        offer_.reset();
         tried_ = 0;
         break;
       case Kind::later:
         asking_ = false;
-        step(actions, 0);
+        if (const Load load = actions.load(); wants_work(load)) ask_next(actions, load);
         break;
     }
   }
 
  private:
-  enum class Kind : std::uint32_t { ask, given, later };
+  enum class Kind : std::uint32_t { ask, given, later, offer };
 
   /// Lifelines: the neighbours on a hypercube, so that work reaches every rank in a few steps; before them,
   /// as many others.
@@ -61,8 +72,27 @@ class WorkStealing final : public Balancer {
   }
   int tries() const { return ranks_ > 1 ? 2 * lifelines() : 0; }
 
+  bool wants_work(const Load& load) const { return load.ready == 0 && load.busy < load.workers && !asking_; }
+
+  /// Of the nearest on the hypercube. Who numbers objects so that partners follow each other, as a bisection
+  /// does, has them there.
+  Rank most_loaded_near(const BalanceActions& actions) const {
+    constexpr int kNear = 4;
+    Rank most;
+    double load_of_most = 0;
+    for (int bits = 1; bits < kNear; ++bits) {
+      const Rank near(rank_.value ^ bits);
+      if (near.value >= ranks_) continue;
+      if (const double load = actions.load_of(near); load > load_of_most) most = near, load_of_most = load;
+    }
+    return most;
+  }
+
   Rank victim(const BalanceActions& actions) {
     if (tried_ == 0) {
+      if (const Rank near = most_loaded_near(actions); near.valid()) return near;
+    }
+    if (tried_ <= 1) {
       if (const Rank most = actions.most_loaded(); most.valid()) return most;
     }
     if (tried_ >= lifelines()) {
@@ -73,34 +103,62 @@ class WorkStealing final : public Balancer {
     return Rank(other + (other >= rank_.value ? 1 : 0));
   }
 
-  void ask(BalanceActions& actions, const Load& load) {
+  void ask_next(BalanceActions& actions, const Load& load) {
+    if (offer_) return ask(*std::exchange(offer_, {}), actions, load);
+    if (tried_ == tries()) return;
     const Rank from = victim(actions);
     ++tried_;
+    ask(from, actions, load);
+  }
+
+  void ask(Rank from, BalanceActions& actions, const Load& load) {
     asking_ = true;
     actions.tell(from, {static_cast<std::uint32_t>(Kind::ask), load.queued_seconds});
   }
 
-  /// Gives `to` about half of what this rank has more, in few objects: those of most work, of equal ones the
-  /// last in the queue; at least one if there is any that is worth its way.
-  bool give(Rank to, double their_seconds, BalanceActions& actions) {
-    std::vector<ReadyObject> ready = actions.ready_objects();
-    std::reverse(ready.begin(), ready.end());
-    std::stable_sort(ready.begin(), ready.end(),
-                     [](const ReadyObject& a, const ReadyObject& b) { return a.seconds > b.seconds; });
-    const Load load = actions.load();
-    // An object that a free worker here is about to take is none to spare.
-    const auto spare = static_cast<std::ptrdiff_t>(ready.size()) - (load.workers - load.busy);
-    if (spare <= 0) return false;
-    const double more = load.queued_seconds - their_seconds, wanted = more / 2;
+  /// Objects that an idle rank could be given at most: one that a free worker here is about to take is none.
+  static std::ptrdiff_t spare(const Load& load) {
+    return static_cast<std::ptrdiff_t>(load.ready) - (load.workers - load.busy);
+  }
+
+  struct Candidate {
+    ReadyObject object;
+    int ties;
+  };
+
+  /// What may be given, first what leaves fewest partners behind, of equal ones what has most work, then the
+  /// last in the queue. What an object does with partners passes the network for as long as it is away from
+  /// them: four that it leaves behind count as much as moving it.
+  static std::vector<Candidate> candidates(Rank to, const BalanceActions& actions) {
+    constexpr double kPartner = 0.25;
+    std::vector<Candidate> all;
     const double worth_it = worth_moving(actions);
+    for (const ReadyObject& object : actions.ready_objects()) {
+      if (object.seconds < worth_it) continue;
+      const int ties = actions.ties(object.id, to);
+      if (object.seconds >= worth_it * (1 + kPartner * std::max(0, -ties))) all.push_back({object, ties});
+    }
+    std::ranges::reverse(all);
+    std::ranges::stable_sort(all, [](const Candidate& a, const Candidate& b) {
+      return std::pair(-a.ties, -a.object.seconds) < std::pair(-b.ties, -b.object.seconds);
+    });
+    return all;
+  }
+
+  /// Gives `to` about half of what this rank has more, in few objects; at least one if there is any that is
+  /// worth its way.
+  bool give(Rank to, double their_seconds, BalanceActions& actions) {
+    const Load load = actions.load();
+    if (spare(load) <= 0) return false;
+    const double wanted = (load.queued_seconds - their_seconds) / 2;
     // Hardly any has moved yet: the first ones show what moving takes.
-    const std::ptrdiff_t most = actions.move_seconds() ? spare : 1;
+    const std::ptrdiff_t most = actions.move_seconds() ? spare(load) : 1;
     double given = 0;
     std::ptrdiff_t number = 0;
-    for (const ReadyObject& object : ready) {
-      if (number == most || object.seconds < worth_it) break;
-      // The first one may be all that this rank has more: better done there at once than here later.
-      if (given + object.seconds > (number == 0 ? more : wanted)) continue;
+    for (const auto& [object, ties] : candidates(to, actions)) {
+      if (number == most) break;
+      // The first one may be all that this rank has: better done there at once than here later.
+      if (number > 0 && given + object.seconds > wanted) continue;
       actions.move(object.id, to);
       given += object.seconds;
       ++number;
@@ -116,17 +174,20 @@ class WorkStealing final : public Balancer {
     actions.wake_when_ready(true);
   }
 
-  void feed_hungry(BalanceActions& actions) {
-    while (!hungry_.empty()) {
-      const Rank hungry = hungry_.front();
-      // It may have found work elsewhere since.
-      const double known = actions.load_of(hungry);
-      if (known <= std::max(kWork, actions.load().queued_seconds / 2) &&
-          !give(hungry, std::max(known, 0.0), actions))
-        return;
+  /// They may have found work elsewhere since, and ask again if not.
+  void offer_to_hungry(BalanceActions& actions, const Load& load, TimePoint time) {
+    constexpr TimePoint kPause = 200'000;  // to look for what to give takes longer than most messages
+    if (hungry_.empty() || load.queued_seconds <= kWork || spare(load) <= 0) return next_offers_.reset();
+    if (next_offers_ && time < *next_offers_) return;
+    next_offers_ = time + kPause;
+    std::erase_if(hungry_, [&](Rank hungry) {
+      if (candidates(hungry, actions).empty()) return false;
+      actions.tell(hungry, {static_cast<std::uint32_t>(Kind::offer), 0});
       remembered_.erase(hungry.value);
-      hungry_.pop_front();
-    }
+      return true;
+    });
+    if (!hungry_.empty()) return;
+    next_offers_.reset();
     actions.wake_when_ready(false);
   }
 
@@ -135,8 +196,10 @@ class WorkStealing final : public Balancer {
   std::minstd_rand random_;
   bool asking_ = false;
   int tried_ = 0;                                ///< ranks asked in vain since there was last work here
-  std::deque<Rank> hungry_;                      ///< have asked in vain, each once
+  std::optional<Rank> offer_;                    ///< who has told of work last
+  std::vector<Rank> hungry_;                     ///< have asked in vain, each once
   std::unordered_set<std::int32_t> remembered_;  ///< the same
+  std::optional<TimePoint> next_offers_;         ///< when they may be told of work; empty: at once
 };
 
 }  // namespace

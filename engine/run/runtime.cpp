@@ -141,6 +141,7 @@ class Runtime::Implementation final : private BalanceActions {
   // The policy's actions.
   Load load() const override { return scheduler_.load(); }
   std::vector<ReadyObject> ready_objects() const override { return scheduler_.ready_objects(); }
+  int ties(ObjectId id, Rank to) const override { return scheduler_.ties(id, to); }
   double load_of(Rank rank) const override { return exchange_.load_of(rank); }
   Rank most_loaded() const override { return exchange_.most_loaded(); }
   std::optional<double> move_seconds() const override { return scheduler_.move_seconds(); }

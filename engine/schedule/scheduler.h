@@ -88,6 +88,7 @@ class Scheduler {
 
   Load load() const;
   std::vector<ReadyObject> ready_objects() const;
+  int ties(ObjectId id, Rank to) const;
   /// Processor seconds that moving an object takes the ranks; nothing until a few have left.
   std::optional<double> move_seconds() const;
   std::vector<ObjectId> take_finished();

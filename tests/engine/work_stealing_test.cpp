@@ -30,16 +30,22 @@ class BusyRank final : public BalanceActions {
     return load;
   }
   std::vector<ReadyObject> ready_objects() const override { return ready_; }
+  int ties(ObjectId id, Rank) const override {
+    return id.number <= ties_of.size() ? ties_of[id.number - 1] : 0;
+  }
   std::optional<double> move_seconds() const override { return move_seconds_; }
   double load_of(Rank) const override { return 0; }
   void move(ObjectId id, Rank to) override {
     EXPECT_EQ(to, kOther);
     moved.push_back(id.number);
   }
-  void tell(Rank, const BalanceMessage&) override {}
+  void tell(Rank, const BalanceMessage& message) override { told.push_back(message.kind); }
   void wake_when_ready(bool) override {}
+  void done(std::size_t number) { ready_.erase(ready_.begin(), ready_.begin() + static_cast<long>(number)); }
+  void more(double seconds) { ready_.push_back({ObjectId{kMe, 100}, seconds}); }
 
-  std::vector<std::uint32_t> moved;
+  std::vector<int> ties_of;  ///< by the objects' numbers from 1 on
+  std::vector<std::uint32_t> moved, told;
 
  private:
   std::vector<ReadyObject> ready_;
@@ -63,6 +69,58 @@ TEST(WorkStealing, WhatIsNotWorthItsWayStays) {
   EXPECT_THAT(given_by({{0.1, 0.1, 0.1}, 0.1}), IsEmpty());
 }
 
+TEST(WorkStealing, GivesFirstWhatLeavesFewestPartnersBehind) {
+  BusyRank rank({1, 1, 4, 1, 1}, 0.0);
+  rank.ties_of = {0, 2, -3, -1, 0};
+  EXPECT_THAT(given_by(rank), ElementsAre(2, 5, 1, 4)) << "the large one would be more than half";
+}
+
+TEST(WorkStealing, PartnersThatStayBehindCountAsMoves) {
+  BusyRank rank({1, 1, 1, 1}, 0.1);  // worth it from .4 s on
+  rank.ties_of = {-1, -7, -8, -7};
+  EXPECT_THAT(given_by(rank), ElementsAre(1));
+}
+
+/// The kinds of messages, in the order of WorkStealing::Kind.
+enum : std::uint32_t { kAsk, kGiven, kLater, kOffer };
+
+TEST(WorkStealing, WhoAskedInVainIsToldOfWorkAndNotSentAny) {
+  BusyRank rank({}, 0.0);
+  const auto policy = work_stealing()(kMe, 2);
+  policy->told(kOther, {kAsk, 0}, rank);
+  EXPECT_THAT(rank.told, ElementsAre(kLater));
+  policy->step(rank, 1);
+  EXPECT_THAT(rank.told, ElementsAre(kLater));
+  rank.more(1);
+  policy->step(rank, 2);
+  policy->step(rank, 3);
+  EXPECT_THAT(rank.told, ElementsAre(kLater, kOffer)) << "once";
+  EXPECT_THAT(rank.moved, IsEmpty()) << "it may have found work elsewhere";
+  policy->told(kOther, {kAsk, 0}, rank);
+  EXPECT_THAT(rank.moved, ElementsAre(100));
+}
+
+/// What is not worth its way is not offered either, and looked at now and then only.
+TEST(WorkStealing, OffersNothingThatItWouldNotGive) {
+  BusyRank rank({1}, 0.1);
+  rank.ties_of = {-8};
+  const auto policy = work_stealing()(kMe, 2);
+  policy->told(kOther, {kAsk, 0}, rank);
+  policy->step(rank, 1);
+  EXPECT_THAT(rank.told, ElementsAre(kLater));
+  EXPECT_TRUE(policy->next_step().has_value());
+  rank.ties_of = {0};
+  policy->step(rank, 2);
+  EXPECT_THAT(rank.told, ElementsAre(kLater)) << "it has just looked";
+  policy->step(rank, *policy->next_step());
+  EXPECT_THAT(rank.told, ElementsAre(kLater, kOffer));
+  EXPECT_FALSE(policy->next_step().has_value());
+  policy->told(kOther, {kAsk, 0}, rank);
+  rank.done(1);
+  policy->step(rank, 1'000'000'000);
+  EXPECT_FALSE(policy->next_step().has_value()) << "an idle rank need not be woken";
+}
+
 TEST(WorkStealing, OneGoesFirstToShowWhatMovingTakes) {
   EXPECT_THAT(given_by({std::vector<double>(60, 0.001), std::nullopt}), ElementsAre(60));
 }
@@ -84,8 +142,9 @@ class IdleRank final : public BalanceActions {
   int ranks() const override { return 64; }
   Load load() const override { return now; }
   std::vector<ReadyObject> ready_objects() const override { return {}; }
+  int ties(ObjectId, Rank) const override { return 0; }
   std::optional<double> move_seconds() const override { return std::nullopt; }
-  double load_of(Rank) const override { return 0; }
+  double load_of(Rank rank) const override { return rank == loaded ? 1 : 0; }
   void move(ObjectId, Rank) override {}
   void tell(Rank to, const BalanceMessage&) override {
     ++asked;
@@ -106,8 +165,41 @@ class IdleRank final : public BalanceActions {
 
   Load now{1, 0, 0, 0, 0};
   int asked = 0;
-  Rank last;
+  Rank last, loaded;
 };
+
+TEST(WorkStealing, AsksNearRanksBeforeTheMostLoadedOfAll) {
+  IdleRank rank;
+  rank.loaded = Rank(2);
+  const auto policy = work_stealing()(kMe, rank.ranks());
+  policy->step(rank, 0);
+  EXPECT_EQ(rank.last, Rank(2));
+  rank.loaded = Rank(40);
+  policy->told(rank.last, {kLater, 0}, rank);
+  EXPECT_EQ(rank.last, Rank(40));
+}
+
+TEST(WorkStealing, AnOfferThatComesWhileItAsksOrWorksIsRemembered) {
+  IdleRank rank;
+  const auto policy = work_stealing()(kMe, rank.ranks());
+  policy->step(rank, 0);
+  policy->told(Rank(33), {kOffer, 0}, rank);
+  EXPECT_EQ(rank.asked, 1);
+  policy->told(rank.last, {kLater, 0}, rank);
+  EXPECT_EQ(rank.last, Rank(33));
+  for (int seen = 0; seen != rank.asked;) {  // until all have been asked
+    seen = rank.asked;
+    policy->told(rank.last, {kLater, 0}, rank);
+  }
+  rank.now.busy = 1;
+  policy->told(Rank(34), {kOffer, 0}, rank);
+  const int before = rank.asked;
+  policy->step(rank, 1);
+  EXPECT_EQ(rank.asked, before);
+  rank.now.busy = 0;
+  policy->step(rank, 2);
+  EXPECT_EQ(rank.last, Rank(34));
+}
 
 TEST(WorkStealing, WhoIsIdleButForMessagesAsksAgainOnlyAfterWork) {
   IdleRank rank;
