@@ -29,7 +29,7 @@ class WorkStealing final : public Balancer {
       offer_to_hungry(actions, load, time);
     } else {
       next_offers_.reset();
-      if (wants_work(load)) ask_next(actions, load);
+      ask_if_idle(actions, load);
     }
   }
 
@@ -46,7 +46,7 @@ class WorkStealing final : public Balancer {
         break;
       case Kind::offer:
         offer_ = from;
-        if (const Load load = actions.load(); wants_work(load)) ask_next(actions, load);
+        ask_if_idle(actions, actions.load());
         break;
       case Kind::given:
         asking_ = false;
@@ -55,7 +55,7 @@ class WorkStealing final : public Balancer {
         break;
       case Kind::later:
         asking_ = false;
-        if (const Load load = actions.load(); wants_work(load)) ask_next(actions, load);
+        ask_if_idle(actions, actions.load());
         break;
     }
   }
@@ -71,8 +71,6 @@ class WorkStealing final : public Balancer {
     return n;
   }
   int tries() const { return ranks_ > 1 ? 2 * lifelines() : 0; }
-
-  bool wants_work(const Load& load) const { return load.ready == 0 && load.busy < load.workers && !asking_; }
 
   /// Of the nearest on the hypercube. Who numbers objects so that partners follow each other, as a bisection
   /// does, has them there.
@@ -103,7 +101,8 @@ class WorkStealing final : public Balancer {
     return Rank(other + (other >= rank_.value ? 1 : 0));
   }
 
-  void ask_next(BalanceActions& actions, const Load& load) {
+  void ask_if_idle(BalanceActions& actions, const Load& load) {
+    if (asking_ || load.ready > 0 || load.busy == load.workers) return;
     if (offer_) return ask(*std::exchange(offer_, {}), actions, load);
     if (tried_ == tries()) return;
     const Rank from = victim(actions);
@@ -121,23 +120,29 @@ class WorkStealing final : public Balancer {
     return static_cast<std::ptrdiff_t>(load.ready) - (load.workers - load.busy);
   }
 
+  /// The ties of an object that is worth giving. What it does with partners passes the network for as long as
+  /// it is away from them: four that it leaves behind count as much as moving it.
+  static std::optional<int> ties_if_worth_giving(const ReadyObject& object, Rank to, double worth,
+                                                 const BalanceActions& actions) {
+    constexpr double kPartner = 0.25;
+    if (object.seconds < worth) return std::nullopt;
+    const int ties = actions.ties(object.id, to);
+    if (object.seconds < worth * (1 + kPartner * std::max(0, -ties))) return std::nullopt;
+    return ties;
+  }
+
   struct Candidate {
     ReadyObject object;
     int ties;
   };
 
   /// What may be given, first what leaves fewest partners behind, of equal ones what has most work, then the
-  /// last in the queue. What an object does with partners passes the network for as long as it is away from
-  /// them: four that it leaves behind count as much as moving it.
+  /// last in the queue.
   static std::vector<Candidate> candidates(Rank to, const BalanceActions& actions) {
-    constexpr double kPartner = 0.25;
     std::vector<Candidate> all;
-    const double worth_it = worth_moving(actions);
-    for (const ReadyObject& object : actions.ready_objects()) {
-      if (object.seconds < worth_it) continue;
-      const int ties = actions.ties(object.id, to);
-      if (object.seconds >= worth_it * (1 + kPartner * std::max(0, -ties))) all.push_back({object, ties});
-    }
+    const double worth = worth_moving(actions);
+    for (const ReadyObject& object : actions.ready_objects())
+      if (const auto ties = ties_if_worth_giving(object, to, worth, actions)) all.push_back({object, *ties});
     std::ranges::reverse(all);
     std::ranges::stable_sort(all, [](const Candidate& a, const Candidate& b) {
       return std::pair(-a.ties, -a.object.seconds) < std::pair(-b.ties, -b.object.seconds);
@@ -180,8 +185,13 @@ class WorkStealing final : public Balancer {
     if (hungry_.empty() || load.queued_seconds <= kWork || spare(load) <= 0) return next_offers_.reset();
     if (next_offers_ && time < *next_offers_) return;
     next_offers_ = time + kPause;
+    const std::vector<ReadyObject> ready = actions.ready_objects();
+    const double worth = worth_moving(actions);
     std::erase_if(hungry_, [&](Rank hungry) {
-      if (candidates(hungry, actions).empty()) return false;
+      if (std::ranges::none_of(ready, [&](const ReadyObject& object) {
+            return ties_if_worth_giving(object, hungry, worth, actions).has_value();
+          }))
+        return false;
       actions.tell(hungry, {static_cast<std::uint32_t>(Kind::offer), 0});
       remembered_.erase(hungry.value);
       return true;
