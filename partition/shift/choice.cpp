@@ -2,6 +2,7 @@
 #include "partition/shift/choice.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "partition/subdomain/tets_at.h"
 
@@ -66,11 +67,16 @@ void Choice::take_at_vertices() {
 
 /// Vertices without a subdomain take the first among the tets that were taken last.
 void Choice::spread_to_vertices() {
-  next_.clear();
+  reached_.clear();
+  of_reached_.resize(vertex_.size(), kNobody);
   for (const std::uint32_t i : taken_)
-    for (const VertexId v : mesh_.vertices(TetId(i)))
-      if (vertex_[v.value] == kNobody) next_.push_back({v.value, tet_[i]});
-  for (const auto& [v, r] : next_) vertex_[v] = std::max(vertex_[v], r);
+    for (const VertexId v : mesh_.vertices(TetId(i))) {
+      if (vertex_[v.value] != kNobody) continue;
+      Place& first = of_reached_[v.value];
+      if (first == kNobody) reached_.push_back(v.value);
+      first = std::max(first, tet_[i]);
+    }
+  for (const std::uint32_t v : reached_) vertex_[v] = std::exchange(of_reached_[v], kNobody);
 }
 
 /// The same from tet to tet through faces.

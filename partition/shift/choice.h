@@ -41,7 +41,9 @@ class Choice {
   const meshing::TetMesh& mesh_;
   ReceiverOrder order_;
   std::vector<Place> vertex_, tet_;
-  std::vector<std::uint32_t> taken_;  ///< tets of the last layer
+  std::vector<std::uint32_t> taken_;    ///< tets of the last layer
+  std::vector<std::uint32_t> reached_;  ///< vertices of these that have no subdomain yet
+  std::vector<Place> of_reached_;       ///< by slot; kNobody for others
   std::vector<std::pair<std::uint32_t, Place>> next_;
 };
 

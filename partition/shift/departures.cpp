@@ -43,6 +43,7 @@ class Targets {
   }
 
   std::vector<std::uint32_t> take_vertices() { return std::move(vertices_); }
+  std::vector<std::uint8_t> take_several() { return std::move(several_); }
   struct Found {
     std::uint32_t vertex;
     Place to;
@@ -103,6 +104,7 @@ Departures find_departures(const Subdomain& s, const ReceiverOrder& order, const
     }
   });
   departures.vertices = targets.take_vertices();
+  departures.is_of_interface = targets.take_several();
   for (const Targets::Found& found : targets.found())
     departures.of_interface.push_back(
         {s.global_id(VertexId(found.vertex)), order.subdomain(found.to), found.vertex});

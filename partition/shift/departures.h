@@ -22,6 +22,7 @@ struct Departures {
   /// vertices that become interface vertices. An inner vertex that leaves with all its tets for one
   /// subdomain concerns no third one.
   std::vector<Departure> of_interface;
+  std::vector<std::uint8_t> is_of_interface;  ///< by slot: whether `of_interface` has the vertex
   /// Vertices of leaving tets, each with a tet that stays; invalid where none does.
   std::vector<std::uint32_t> vertices;
   std::vector<meshing::TetId> staying;

@@ -19,33 +19,64 @@ std::vector<std::uint32_t> interface_index(const Subdomain& s) {
   return index;
 }
 
-/// The receivers' parcels, in their order.
-std::vector<Parcel> pack(const Subdomain& s, const ReceiverOrder& order, const Chosen& chosen,
-                         const std::vector<Departure>& departures,
-                         const std::vector<std::uint32_t>& interface_index,
-                         std::span<const Receiver> receivers) {
-  std::vector<std::uint32_t> place_of_tet(chosen.to.size());
-  std::vector<Packing> packing;
-  packing.reserve(receivers.size());
-  for (const Receiver& receiver : receivers)
-    packing.emplace_back(s, receiver.id, interface_index, place_of_tet);
+/// What leaves for each receiver, ascending.
+std::vector<std::vector<TetId>> leaving_to(const ReceiverOrder& order, const Chosen& chosen,
+                                           std::span<const Receiver> receivers) {
   std::vector<std::size_t> tets_to(order.size(), 0);
   for (const TetId t : chosen.leaving) ++tets_to[chosen.to[t.value]];
-  std::vector<Packing*> packing_of(order.size(), nullptr);
+  std::vector<std::vector<TetId>> leaving(receivers.size());
+  std::vector<std::vector<TetId>*> of_place(order.size(), nullptr);
   for (Place r = 1; r < order.size(); ++r) {
     if (tets_to[r] == 0) continue;
-    packing_of[r] = &packing[meshing::place_in(receivers, order.subdomain(r), &Receiver::id)];
-    packing_of[r]->reserve(tets_to[r]);
+    of_place[r] = &leaving[meshing::place_in(receivers, order.subdomain(r), &Receiver::id)];
+    of_place[r]->reserve(tets_to[r]);
   }
-  constexpr std::size_t kAhead = 12;  // tets: their vertices were last used when the subdomain was adapted
-  for (std::size_t i = 0; i < chosen.leaving.size(); ++i) {
-    if (i + kAhead < chosen.leaving.size())
-      for (const VertexId v : s.mesh->vertices(chosen.leaving[i + kAhead])) s.mesh->prefetch(v);
-    packing_of[chosen.to[chosen.leaving[i].value]]->add(chosen.leaving[i]);
+  for (const TetId t : chosen.leaving) of_place[chosen.to[t.value]]->push_back(t);
+  return leaving;
+}
+
+/// Where the tets around vertices have gone, to all who held them or have got some; to the latter also who
+/// held them before.
+void tell_holders(const Subdomain& s, std::span<const Departure> departures,
+                  const std::vector<std::uint32_t>& interface_index, std::span<const Receiver> receivers,
+                  std::span<Parcel> parcels) {
+  const auto parcel_to = [&](SubdomainId to) -> Parcel& {
+    return parcels[meshing::place_in(receivers, to, &Receiver::id)];
+  };
+  for (std::size_t i = 0; i < departures.size();) {
+    const Departure& first = departures[i];
+    std::size_t end = i;
+    while (end < departures.size() && departures[end].id == first.id) ++end;
+    const auto of_vertex = departures.subspan(i, end - i);
+    i = end;
+    const auto tell = [&](Parcel& parcel) {
+      for (const Departure& d : of_vertex) parcel.now.push_back({d.id, d.to});
+    };
+    const std::uint32_t at = interface_index[first.vertex];
+    const auto held_before = at == Interface::kNone ? std::span<const Holder>() : s.interface.others(at);
+    for (const Holder& h : held_before) tell(parcel_to(h.subdomain));
+    for (const Departure& d : of_vertex) {
+      const bool held_it = at != Interface::kNone && s.interface.held_by(at, d.to);
+      if (d.to == s.id || held_it) continue;
+      Parcel& parcel = parcel_to(d.to);
+      tell(parcel);
+      if (at == Interface::kNone) continue;
+      parcel.before.push_back({first.id, s.id});
+      parcel.before.insert(parcel.before.end(), held_before.begin(), held_before.end());
+    }
   }
+}
+
+/// The receivers' parcels, in their order.
+std::vector<Parcel> pack(const Subdomain& s, const ReceiverOrder& order, const Chosen& chosen,
+                         const Departures& departures, const std::vector<std::uint32_t>& interface_index,
+                         std::span<const Receiver> receivers) {
+  const std::vector<std::vector<TetId>> leaving = leaving_to(order, chosen, receivers);
+  Packing::Places places(*s.mesh);
   std::vector<Parcel> parcels;
-  for (std::size_t n = 0; n < packing.size(); ++n)
-    parcels.push_back(packing[n].finish(chosen, departures, receivers[n]));
+  for (std::size_t n = 0; n < receivers.size(); ++n)
+    parcels.push_back(Packing(s, departures.is_of_interface, places).pack(chosen, leaving[n], receivers[n]));
+  tell_holders(s, departures.of_interface, interface_index, receivers, parcels);
   return parcels;
 }
 
@@ -55,7 +86,7 @@ std::vector<Parcel> hand_over(Subdomain& s, const ReceiverOrder& order, const Ch
                               std::span<const Receiver> receivers) {
   const std::vector<std::uint32_t> index = interface_index(s);
   const Departures departures = find_departures(s, order, chosen, index);
-  std::vector<Parcel> parcels = pack(s, order, chosen, departures.of_interface, index, receivers);
+  std::vector<Parcel> parcels = pack(s, order, chosen, departures, index, receivers);
   for (const Departure& d : departures.of_interface) {
     s.departures.push_back({d.id, d.to});
     const VertexId v(d.vertex);

@@ -12,22 +12,29 @@ using meshing::TetId;
 using meshing::TetVertices;
 using meshing::VertexId;
 
-Packing::Packing(const Subdomain& s, SubdomainId to, const std::vector<std::uint32_t>& interface_index,
-                 std::vector<std::uint32_t>& place_of_tet)
-    : s_(s),
-      mesh_(*s.mesh),
-      to_(to),
-      interface_index_(interface_index),
-      place_of_tet_(place_of_tet),
-      background_(s) {
+Packing::Packing(const Subdomain& s, const std::vector<std::uint8_t>& is_of_interface, Places& places)
+    : s_(s), mesh_(*s.mesh), is_of_interface_(is_of_interface), places_(places), background_(s) {
   parcel_.from = s.id;
 }
 
+Parcel Packing::pack(const Chosen& chosen, std::span<const TetId> tets, const Receiver& receiver) {
+  constexpr std::size_t kAhead = 12;  // tets: their vertices were last used when the subdomain was adapted
+  tets_ = tets;
+  reserve(tets.size());
+  for (std::size_t i = 0; i < tets.size(); ++i) {
+    if (i + kAhead < tets.size())
+      for (const VertexId v : mesh_.vertices(tets[i + kAhead])) mesh_.prefetch(v);
+    add(tets[i]);
+  }
+  name_neighbours(chosen);
+  add_pieces(receiver);
+  add_surface(receiver.surface);
+  for (const std::uint32_t v : vertices_) places_.of_vertex[v] = kNoPlace;
+  return std::move(parcel_);
+}
+
 void Packing::reserve(std::size_t tets) {
-  if (tets == 0) return;
-  places_.assign(mesh_.vertex_slots(), kNoPlace);
   parcel_.tets.reserve(tets);
-  tets_.reserve(tets);
   const std::size_t vertices = tets / 3;  // a few layers of tets have fewer
   parcel_.vertices.reserve(vertices);
   vertices_.reserve(vertices);
@@ -36,38 +43,29 @@ void Packing::reserve(std::size_t tets) {
 
 void Packing::add(TetId t) {
   Parcel::Tet packed;
+  const auto place = static_cast<std::uint32_t>(parcel_.tets.size());
   const TetVertices v = mesh_.vertices(t);
   for (int i = 0; i < 4; ++i) {
     packed.vertices[i] = place_of(v[i]);
-    packed.patches[i] = mesh_.patch(t, i);
+    if (const meshing::PatchId patch = mesh_.patch(t, i); patch.valid())
+      parcel_.boundary_faces.push_back({4 * place + static_cast<std::uint32_t>(i), patch});
   }
   packed.ref = mesh_.ref(t);
   packed.quality = mesh_.quality(t);
-  place_of_tet_[t.value] = static_cast<std::uint32_t>(parcel_.tets.size());
+  places_.of_tet[t.value] = place;
   parcel_.tets.push_back(packed);
-  tets_.push_back(t);
   add_features(v);
 }
 
-Parcel Packing::finish(const Chosen& chosen, const std::vector<Departure>& departures,
-                       const Receiver& receiver) {
-  name_neighbours(chosen);
-  for (const Departure& d : departures)
-    if (concerns_receiver(d.vertex)) parcel_.now.push_back({d.id, d.to});
-  for (const std::uint32_t v : vertices_) add_previous_holders(v);
-  add_pieces(receiver);
-  add_surface(receiver.surface);
-  return std::move(parcel_);
-}
-
 std::uint32_t Packing::place_of(VertexId v) {
-  std::uint32_t& place = places_[v.value];
+  std::uint32_t& place = places_.of_vertex[v.value];
   if (place != kNoPlace) return place;
   place = static_cast<std::uint32_t>(parcel_.vertices.size());
   vertices_.push_back(v.value);
   parcel_.vertices.push_back({s_.global_id(v), mesh_.point(v), mesh_.log_metric(v), background_.add(v),
                               mesh_.surface_hint(v), mesh_.ref(v), mesh_.kind(v),
-                              static_cast<std::uint8_t>(mesh_.flags(v) & ~meshing::kFrozen)});
+                              static_cast<std::uint8_t>(mesh_.flags(v) & ~meshing::kFrozen),
+                              is_of_interface_[v.value] != 0});
   return place;
 }
 
@@ -87,22 +85,9 @@ void Packing::name_neighbours(const Chosen& chosen) {
       const TetFace n = mesh_.neighbour(tets_[i], f);
       parcel_.tets[i].neighbours[f] =
           n.valid() && chosen.to[n.tet().value] == chosen.to[tets_[i].value]
-              ? 4 * place_of_tet_[n.tet().value] + static_cast<std::uint32_t>(n.face())
+              ? 4 * places_.of_tet[n.tet().value] + static_cast<std::uint32_t>(n.face())
               : meshing::kNoNeighbour;
     }
-}
-
-bool Packing::concerns_receiver(std::uint32_t vertex) const {
-  if (!places_.empty() && places_[vertex] != kNoPlace) return true;
-  const std::uint32_t i = interface_index_[vertex];
-  return i != Interface::kNone && s_.interface.held_by(i, to_);
-}
-
-void Packing::add_previous_holders(std::uint32_t vertex) {
-  const std::uint32_t i = interface_index_[vertex];
-  if (i == Interface::kNone || s_.interface.held_by(i, to_)) return;
-  parcel_.before.push_back({s_.interface.id(i), s_.id});
-  for (const Holder& h : s_.interface.others(i)) parcel_.before.push_back(h);
 }
 
 void Packing::add_pieces(const Receiver& receiver) {
@@ -121,12 +106,11 @@ void Packing::add_surface(std::span<const std::uint32_t> there) {
     return SurfaceCover::Vertex{parcel_.vertices[v].point, parcel_.vertices[v].surface_hint};
   };
   for (std::uint32_t v = 0; v < parcel_.vertices.size(); ++v) cover.add(at(v));
-  for (const Parcel::Tet& t : parcel_.tets)
-    for (std::size_t f = 0; f < 4; ++f) {
-      if (!t.patches[f].valid()) continue;
-      const auto& face = meshing::kTetFaces[f];
-      cover.add_face(at(t.vertices[face[0]]), at(t.vertices[face[1]]), at(t.vertices[face[2]]));
-    }
+  for (const Parcel::BoundaryFace& b : parcel_.boundary_faces) {
+    const auto& v = parcel_.tets[b.face / 4].vertices;
+    const auto& face = meshing::kTetFaces[b.face % 4];
+    cover.add_face(at(v[face[0]]), at(v[face[1]]), at(v[face[2]]));
+  }
   cover.finish();
   for (auto& piece : cover.pieces(s_.surface))
     if (!std::ranges::binary_search(there, piece->id)) parcel_.surface.push_back(std::move(piece));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <unordered_set>
 #include <vector>
 
@@ -15,36 +16,40 @@ namespace weft::partition {
 /// cover, the surface near their boundary faces.
 class Packing {
  public:
-  /// `interface_index` as for find_departures(); `place_of_tet`, by slot, is shared by all packings: each tet
-  /// is in one parcel.
-  Packing(const Subdomain& subdomain, SubdomainId to, const std::vector<std::uint32_t>& interface_index,
-          std::vector<std::uint32_t>& place_of_tet);
+  /// Where tets and vertices are in their parcel, by slot. One parcel is packed after the other, so that all
+  /// share these.
+  struct Places {
+    explicit Places(const meshing::TetMesh& mesh)
+        : of_tet(mesh.tet_slots()), of_vertex(mesh.vertex_slots(), kNoPlace) {}
+    std::vector<std::uint32_t> of_tet;
+    std::vector<std::uint32_t> of_vertex;  ///< kNoPlace for all between two parcels
+  };
 
-  void reserve(std::size_t tets);
-  void add(meshing::TetId t);
+  /// `is_of_interface` as in Departures.
+  Packing(const Subdomain& subdomain, const std::vector<std::uint8_t>& is_of_interface, Places& places);
 
-  Parcel finish(const Chosen& chosen, const std::vector<Departure>& departures, const Receiver& receiver);
+  /// The tets that go to `receiver`, ascending; without what holders of vertices are told.
+  Parcel pack(const Chosen& chosen, std::span<const meshing::TetId> tets, const Receiver& receiver);
 
  private:
   static constexpr std::uint32_t kNoPlace = 0xFFFFFFFFu;
 
+  void reserve(std::size_t tets);
+  void add(meshing::TetId t);
+
   std::uint32_t place_of(meshing::VertexId v);
   void add_features(const meshing::TetVertices& v);
   void name_neighbours(const Chosen& chosen);
-  bool concerns_receiver(std::uint32_t vertex) const;
-  void add_previous_holders(std::uint32_t vertex);
   void add_pieces(const Receiver& receiver);
   void add_surface(std::span<const std::uint32_t> there);
 
   const Subdomain& s_;
   const meshing::TetMesh& mesh_;
-  SubdomainId to_;
-  const std::vector<std::uint32_t>& interface_index_;
-  std::vector<std::uint32_t>& place_of_tet_;
+  const std::vector<std::uint8_t>& is_of_interface_;
+  Places& places_;
   Parcel parcel_;
-  std::vector<meshing::TetId> tets_;     ///< of the parcel
-  std::vector<std::uint32_t> vertices_;  ///< of the parcel
-  std::vector<std::uint32_t> places_;    ///< vertex -> its place in the parcel; empty while that is
+  std::span<const meshing::TetId> tets_;  ///< of the parcel
+  std::vector<std::uint32_t> vertices_;   ///< of the parcel
   std::unordered_set<std::uint64_t> features_;
   BackgroundCover background_;
 };

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "meshing/kernel/quality.h"
+#include "meshing/metric/expectations.h"
 #include "partition/shift/shift.h"
 #include "partition/subdomain/adapt_subdomain.h"
 #include "partition/subdomain/background_cover.h"
@@ -51,7 +52,7 @@ class Joining {
     join_faces();
   }
 
-  /// The vertices that were not here before, ascending by id.
+  /// The shared vertices that were not here before, ascending by id.
   std::vector<VertexId> arrived() const {
     std::vector<VertexId> vertices;
     for (const Named& n : named_)
@@ -72,7 +73,8 @@ class Joining {
     }
   };
 
-  /// Equal ids get one number; the interface's have a vertex here already.
+  /// Of shared vertices, equal ids get one number; the interface's have a vertex here already. Others come in
+  /// one parcel and are nowhere else.
   void name_vertices(std::span<const Parcel> parcels) {
     struct Arriving {
       GlobalId id;
@@ -81,8 +83,9 @@ class Joining {
     std::vector<Arriving> all;
     names_.resize(parcels.size());
     for (std::uint32_t p = 0; p < parcels.size(); ++p) {
-      names_[p].resize(parcels[p].vertices.size());
-      for (std::uint32_t i = 0; i < names_[p].size(); ++i) all.push_back({parcels[p].vertices[i].id, p, i});
+      names_[p].resize(parcels[p].vertices.size(), kNoName);
+      for (std::uint32_t i = 0; i < names_[p].size(); ++i)
+        if (parcels[p].vertices[i].shared) all.push_back({parcels[p].vertices[i].id, p, i});
     }
     std::sort(all.begin(), all.end(), [](const Arriving& a, const Arriving& b) { return a.id < b.id; });
     const auto point_of = [&](const Arriving& a) -> const meshing::Point& {
@@ -117,6 +120,10 @@ class Joining {
     std::vector<VertexId> local;
     local.reserve(names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i] == kNoName) {
+        local.push_back(create(parcel.vertices[i]));
+        continue;
+      }
       VertexId& v = named_[names[i]].vertex;
       if (!v.valid()) v = create(parcel.vertices[i]);
       local.push_back(v);
@@ -131,11 +138,13 @@ class Joining {
         tet_of[t.vertices[i]] = id;
         const std::uint32_t n = t.neighbours[i];
         mesh_.set_neighbour(id, i, n == meshing::kNoNeighbour ? TetFace() : TetFace(4 * first + n));
-        mesh_.set_patch(id, i, t.patches[i]);
+        mesh_.set_patch(id, i, meshing::PatchId());
       }
       mesh_.set_ref(id, t.ref);
       mesh_.set_quality(id, t.quality);
     }
+    for (const Parcel::BoundaryFace& b : parcel.boundary_faces)
+      mesh_.set_patch(TetId(first + b.face / 4), static_cast<int>(b.face % 4), b.patch);
     for (std::size_t i = 0; i < local.size(); ++i) mesh_.set_tet_of(local[i], tet_of[i]);
     for (const Parcel::FeatureEdge& e : parcel.feature_edges)
       mesh_.set_curve(local[e.ends[0]], local[e.ends[1]], e.curve);
@@ -184,9 +193,11 @@ class Joining {
     }
   }
 
+  static constexpr std::uint32_t kNoName = 0xFFFFFFFFu;
+
   Subdomain& s_;
   TetMesh& mesh_;
-  std::vector<std::vector<std::uint32_t>> names_;  ///< [parcel][vertex]: a number
+  std::vector<std::vector<std::uint32_t>> names_;  ///< [parcel][vertex]: a number, of shared ones
   struct Named {
     VertexId vertex;
     bool is_new;
@@ -337,29 +348,36 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
   return thawed;
 }
 
-/// Vertices made on interface edges have the metric that the edges' ends give, since all holders have those
+/// A vertex made on an interface edge has the metric that the edge's ends give, since all holders have those
 /// alike. Where edges were longer than the background's, or no edges of it, that is not what the background
-/// says.
-void read_metrics_anew(Subdomain& s, std::span<const VertexId> vertices) {
-  for (const VertexId v : vertices) {
-    if (!s.global_id(v).derived()) continue;
-    const meshing::Background::Sample there =
-        s.background.background().at(s.mesh->point(v), s.mesh->background_hint(v));
-    s.mesh->set_metric(v, there.log_metric, meshing::exp_fast(there.log_metric));
-    s.mesh->set_background_hint(v, there.tet);
-  }
+/// says. Returns whether the metric is another one now.
+bool read_metric_anew(Subdomain& s, VertexId v) {
+  if (!s.global_id(v).derived()) return false;
+  const meshing::Background::Sample there =
+      s.background.background().at(s.mesh->point(v), s.mesh->background_hint(v));
+  const meshing::LogMetric before = s.mesh->log_metric(v);
+  s.mesh->set_metric(v, there.log_metric, meshing::exp_fast(there.log_metric));
+  s.mesh->set_background_hint(v, there.tet);
+  return std::memcmp(&before, &there.log_metric, sizeof before) != 0;
 }
 
-/// Tets around the given vertices become fresh: what lies beyond has been free where it was, and is looked at
-/// when something beside it changes. (A layer more cost a seventh of all time and made nothing better.)
+/// Tets around the given vertices become fresh where something may be wrong: around those that have never
+/// been free or have another metric now, and all that are poor. What lies beyond has been free where it was,
+/// and is looked at when something beside it changes. (A layer more cost a seventh of all time and made
+/// nothing better.)
 void freshen(Subdomain& s, std::span<const VertexId> vertices) {
   if (vertices.empty()) return;
   TetMesh& mesh = *s.mesh;
   const bool new_metrics = s.phase > 0 || s.background.of_another_mesh();
-  if (new_metrics) read_metrics_anew(s, vertices);
+  constexpr std::uint8_t kAsBefore = 1, kNew = 2;
   std::vector<std::uint8_t> thawed(mesh.vertex_slots(), 0);
-  for (const VertexId v : vertices) thawed[v.value] = 1;
+  for (const VertexId v : vertices) {
+    const bool has_new_metric = new_metrics && read_metric_anew(s, v);
+    thawed[v.value] = has_new_metric || !(mesh.flags(v) & kHasBeenFree) ? kNew : kAsBefore;
+  }
   for_each_tet_at(mesh, thawed, [&](TetId t, const TetVertices& v) {
+    const int at = thawed[v[0].value] | thawed[v[1].value] | thawed[v[2].value] | thawed[v[3].value];
+    if ((at & kNew) == 0 && mesh.quality(t) >= static_cast<float>(meshing::kFair)) return;
     mesh.mark(t, meshing::kFresh);
     if (new_metrics)
       mesh.set_quality(t, static_cast<float>(judge_quality(meshing::MetricMean::arithmetic, mesh, v)));

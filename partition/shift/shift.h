@@ -50,14 +50,18 @@ struct Parcel {
     std::int32_t ref;
     meshing::VertexKind kind;
     std::uint8_t flags;
+    bool shared;  ///< others may have it: it is of the sender's interface, or is so from now on
   };
   struct Tet {
     std::array<std::uint32_t, 4> vertices;  ///< in the parcel
     std::array<std::uint32_t, 4>
         neighbours;  ///< in the parcel, as meshing::Adjacency; kNoNeighbour elsewhere
-    std::array<meshing::PatchId, 4> patches;
     std::int32_t ref;
     float quality;  ///< the kernel's cached one
+  };
+  struct BoundaryFace {
+    std::uint32_t face;  ///< 4 * tet in the parcel + its face
+    meshing::PatchId patch;
   };
   struct FeatureEdge {
     std::array<std::uint32_t, 2> ends;  ///< in the parcel
@@ -66,6 +70,7 @@ struct Parcel {
   SubdomainId from;
   std::vector<Vertex> vertices;
   std::vector<Tet> tets;
+  std::vector<BoundaryFace> boundary_faces;
   std::vector<FeatureEdge> feature_edges;
   /// Background pieces that the receiver lacks; immutable, so shared within a rank.
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
@@ -79,7 +84,7 @@ struct Parcel {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(from, vertices, tets, feature_edges, now, before);
+    archive(from, vertices, tets, boundary_faces, feature_edges, now, before);
     serialize_pieces(archive, pieces);
     meshing::serialize_pieces(archive, surface);
   }

@@ -280,6 +280,56 @@ TEST(Shift, WantsWhatIsInThePoorTetsWay) {
   }
 }
 
+/// Every third vertex counts as never free, every seventh tet as poor, and what is wanted is the same.
+void mark_some(std::vector<Subdomain>& subdomains) {
+  for (Subdomain& s : subdomains) {
+    meshing::TetMesh& mesh = *s.mesh;
+    for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+      if (s.global_id(meshing::VertexId(i)).value() % 3 != 0)
+        mesh.set_flags(meshing::VertexId(i), mesh.flags(meshing::VertexId(i)) | kHasBeenFree);
+    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+      mesh.set_quality(meshing::TetId(i), i % 7 == 0 ? 0.55f : 0.9f);
+  }
+}
+
+TEST(Shift, FreshIsWhatHasNeverBeenFreeAndWhatIsPoor) {
+  std::size_t fresh = 0, poor = 0, spared = 0;
+  for (unsigned seed = 9; seed < 13; ++seed) {
+    const Scene scene = random_scene(seed, 1);
+    const Cut cut = scene.cut();
+    Rounds rounds(cut, scene.hausd(), {});
+    mark_some(rounds.subdomains());
+    std::vector<std::set<GlobalId>> frozen;
+    for (const Subdomain& s : rounds.subdomains()) {
+      auto& ids = frozen.emplace_back();
+      for (std::uint32_t i = 0; i < s.interface.size(); ++i) ids.insert(s.interface.id(i));
+    }
+    std::mt19937 random(seed);
+    rounds.shift(random_priorities(scene.subdomains, random));
+    for (std::size_t k = 0; k < frozen.size(); ++k) {
+      const Subdomain& s = rounds.subdomains()[k];
+      const meshing::TetMesh& mesh = *s.mesh;
+      for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+        const meshing::TetId t(i);
+        if (!mesh.alive(t)) continue;
+        bool thawed = false, never_free = false;
+        for (const meshing::VertexId v : mesh.vertices(t)) {
+          if (mesh.frozen(v) || !frozen[k].contains(s.global_id(v))) continue;
+          thawed = true;
+          never_free |= !(mesh.flags(v) & kHasBeenFree);
+        }
+        const bool is_poor = mesh.quality(t) < 0.6f;
+        EXPECT_EQ((mesh.marks(t) & meshing::kFresh) != 0, thawed && (never_free || is_poor));
+        fresh += never_free;
+        poor += thawed && !never_free && is_poor;
+        spared += thawed && !never_free && !is_poor;
+      }
+    }
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(std::min({fresh, poor, spared}), 0u) << fresh << ' ' << poor << ' ' << spared;
+}
+
 /// Sums of coordinates, which tell tets of a mesh apart.
 std::array<double, 3> key_of(std::array<meshing::Point, 4> corners) {
   std::ranges::sort(corners, {}, [](const meshing::Point& p) { return std::tuple(p.x, p.y, p.z); });
