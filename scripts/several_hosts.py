@@ -32,6 +32,10 @@ exec ip netns exec {prefix}-${{host##*.}} unshare --uts bash -c 'hostname "$0"; 
 # work needs some more.
 SILENCE = int(re.search(r" silence\{([\d']+)\}", (ROOT / "engine/run/runtime.h").read_text())[1].replace("'", "")) / 1000
 RETRIES = 6
+# Between runs of weft's engine (one rank works alone, others wait for it) a rank's silence means nothing, and nothing is on its
+# way that TCP could give up: Open MPI's daemons ask each other then, by default after 300 s and 9 times each 20 s. Here from 15 s
+# on, so that they give up after 40: later than weft does in its runs, and later than links that come back.
+KEEPALIVE = {"oob_tcp_keepalive_time": 15, "oob_tcp_keepalive_intvl": 5, "oob_tcp_keepalive_probes": 5}
 MARGIN = 15
 NOTICED = SILENCE + MARGIN
 ENDED = SILENCE + 0.2 * (2 ** (RETRIES + 1) - 1) + MARGIN
@@ -133,7 +137,7 @@ class Run:
         environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
         mpirun = ["mpirun", "--oversubscribe", "--bind-to", "none", "--host", addresses, "-n", hosts.count * options.ranks]
         for key, value in {"plm_rsh_agent": agent, "btl": "tcp,self", "btl_tcp_if_include": "weft0", "oob_tcp_if_include": "weft0",
-                           "mpi_yield_when_idle": 1, "orte_keep_fqdn_hostnames": 1}.items():
+                           "mpi_yield_when_idle": 1, "orte_keep_fqdn_hostnames": 1, **KEEPALIVE}.items():
             mpirun += ["--mca", key, value]
         weft = [options.weft, "adapt", folder / "start.meshb", "--metric-fn", "polar-2", "--complexity", options.complexity,
                 "--subdomains", options.subdomains, "-o", self.output, "--progress", "plain"]
