@@ -1,6 +1,8 @@
 // Parcels, and what is left behind.
 #include "partition/shift/hand_over.h"
 
+#include <algorithm>
+
 #include "meshing/base/place_in.h"
 #include "partition/shift/departures.h"
 #include "partition/shift/packing.h"
@@ -56,11 +58,11 @@ void tell_holders(const Subdomain& s, std::span<const Departure> departures,
     const auto held_before = at == Interface::kNone ? std::span<const Holder>() : s.interface.others(at);
     for (const Holder& h : held_before) tell(parcel_to(h.subdomain));
     for (const Departure& d : of_vertex) {
-      const bool held_it = at != Interface::kNone && s.interface.held_by(at, d.to);
+      const bool held_it = std::ranges::find(held_before, d.to, &Holder::subdomain) != held_before.end();
       if (d.to == s.id || held_it) continue;
       Parcel& parcel = parcel_to(d.to);
       tell(parcel);
-      if (at == Interface::kNone) continue;
+      if (held_before.empty()) continue;
       parcel.before.push_back({first.id, s.id});
       parcel.before.insert(parcel.before.end(), held_before.begin(), held_before.end());
     }
