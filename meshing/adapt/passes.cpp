@@ -269,7 +269,8 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
     if (r == Verdict::inverts && w.kernel.surface.model())
       r = split_after_clearing(w, behind[i][0], behind[i][1]);
     if (r == Verdict::accepted || r == Verdict::conflict || !w.mesh.alive(t)) return r;
-    if (w.claims.claim_tet(t) != Verdict::accepted || w.mesh.vertices(t) != v) return r;
+    if (const Verdict claimed = w.claims.claim_tet(t); claimed != Verdict::accepted) return claimed;
+    if (w.mesh.vertices(t) != v) return r;
     w.counts.add(Operator::split, r);
   }
   return w.mesh.all_on_curved_boundary(v) ? split_lying(w, t, v) : Verdict::not_needed;
@@ -288,10 +289,16 @@ Verdict split_beyond_limit(Worker& w, TetId t, const TetVertices& v) {
   for (int i = found.size - 1; i >= 0; --i) {
     const auto& [edge, length] = found.edges[i];
     const auto& e = kTetEdges[edge];
-    // Vertices that crowd round an edge far too long would protect it for ever: the new one may merge with
-    // them later.
-    const double shortest = (length > 2 * limits.long_edge ? 0.1 : 1) * limits.split_shortest;
-    r = split_edge(w, t, v[e[0]], v[e[1]], {shortest});
+    // What is round an edge far too long would protect it for ever: vertices that crowd there, with which the
+    // new one may merge later; needles, of which shorter ones must be made before anything can be mended. On
+    // the boundary, needles keep fine parts of it from being given up at coarse levels.
+    SplitBounds bounds{limits.split_shortest};
+    if (length > 2 * limits.long_edge) {
+      bounds.shortest *= 0.1;
+      const auto inside = [&](VertexId u) { return w.mesh.kind(u) == VertexKind::interior; };
+      if (inside(v[e[0]]) && inside(v[e[1]])) bounds.quality_share = 0.1;
+    }
+    r = split_edge(w, t, v[e[0]], v[e[1]], bounds);
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::split, r);
   }

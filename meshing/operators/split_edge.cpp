@@ -117,7 +117,8 @@ Verdict judge(Worker& w, const SplitBounds& bounds, SplitPlan& plan) {
   double worst_before = 1;
   for (int i = 0; i < plan.shell.size; ++i)
     worst_before = std::min<double>(worst_before, w.mesh.quality(plan.shell.tets[i].tet));
-  const double bound = std::min(w.kernel.limits.split_quality, bounds.keep_share * worst_before);
+  const double bound =
+      std::min(bounds.quality_share * w.kernel.limits.split_quality, bounds.keep_share * worst_before);
   return judge_qualities(
       w, plan, [&](double worst) { return bounds.must_improve ? worst > worst_before : worst >= bound; });
 }

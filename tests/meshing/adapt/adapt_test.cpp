@@ -396,6 +396,28 @@ TEST(Adapt, PassesThatLackedRoomForgetNothing) {
               static_cast<double>(ample), 0.05 * static_cast<double>(ample));
 }
 
+/// Needles along an inner edge 42 long, the middle one of three on an axis: what divides them leaves tets
+/// worse than .8 of them.
+TEST(Adapt, ANeedleFarTooLongIsDividedThoughItsPartsAreWorse) {
+  std::vector<Point> points{{0, 0, -2}, {0, 0, 40}, {0, 0, -4}, {0, 0, 60}};
+  for (const auto& [x, y] : {std::pair{1, 0}, {0, 1}, {-1, 0}, {0, -1}})
+    points.push_back({static_cast<double>(x), static_cast<double>(y), 0});
+  std::vector<Tet> tets;
+  for (const auto& [below, above] : {std::pair{2u, 0u}, {0u, 1u}, {1u, 3u}})
+    for (std::uint32_t i = 0; i < 4; ++i) tets.push_back({below, above, 4 + i, 4 + (i + 1) % 4});
+  KernelRig rig(support::mesh_of(std::move(points), std::move(tets)), 1, support::kFaceted);
+  ASSERT_EQ(rig.mesh.kind(VertexId(0)), VertexKind::interior);
+  for (const TetId t : rig.live_tets()) {
+    if (rig.mesh.local_index(t, VertexId(0)) < 0 || rig.mesh.local_index(t, VertexId(1)) < 0) continue;
+    EXPECT_LT(rig.mesh.quality(t), rig.kernel.limits.split_quality);
+    rig.mesh.mark(t, kCheckLong);
+  }
+  WorkerPool pool(rig.kernel, 1, nullptr);
+  split_pass(pool);
+  EXPECT_THAT(rig.neighbours_of(VertexId(0)), testing::Not(testing::Contains(VertexId(1))));
+  support::expect_sound(rig.mesh);
+}
+
 TEST(Adapt, CountsWhatIsDeadFromBefore) {
   KernelRig rig(unit_cube(4));
   ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, rig.vertex_at({0.5, 0.5, 0.5}), rig.worker.ball),
