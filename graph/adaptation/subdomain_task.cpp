@@ -353,6 +353,13 @@ engine::Seconds SubdomainTask::seconds_to_adapt_shifted(double tets, std::size_t
   return seconds_to_adapt((kShareWithoutShift + kShareShifted * share) * tets);
 }
 
+/// What comes between two shifts. To be said: of a method that says nothing the mean counts, and where phases
+/// end this one has adapted all.
+engine::Seconds SubdomainTask::seconds_to_update_topology() const {
+  constexpr double kSeconds = 1e-5, kSecondsPerVertex = 3e-7;
+  return {kSeconds + kSecondsPerVertex * static_cast<double>(subdomain_.interface.size())};
+}
+
 std::optional<BeginShift> SubdomainTask::wake(NodeContext&, std::uint64_t round) {
   woken_for_ = round;
   if (!rests_) return {};
@@ -400,7 +407,8 @@ std::optional<engine::Nothing> SubdomainTask::scatter(NodeContext& context, std:
   for (const SubdomainId s : result.expected) from.push_back(object_of(plan, context.ranks(), s));
   const bool phase_ends = plan.begins_phase(round + 1);
   if (plan.division == round) predicted_tets_ = news_.predicted_tets = partition::predicted_tets(subdomain_);
-  const engine::Seconds next = phase_ends ? seconds_to_adapt(tets_after(rank, round + 1)) : engine::Seconds{};
+  const engine::Seconds next =
+      phase_ends ? seconds_to_adapt(tets_after(rank, round + 1)) : seconds_to_update_topology();
   context.expect<&SubdomainTask::update_topology>(round, from, next);
   shifts_.back().received = result.received;
   shifts_.back().thawed = result.thawed;

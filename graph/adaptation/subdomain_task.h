@@ -215,6 +215,7 @@ class SubdomainTask {
   double tets_after(const RankData& rank, std::uint64_t round) const;
   void tell_done(const RankData& rank, std::uint64_t round, double done);
   engine::Seconds seconds_to_adapt_shifted(double tets, std::size_t vertices_received) const;
+  engine::Seconds seconds_to_update_topology() const;
   partition::Priority priority_in(const AdaptationPlan& plan, std::uint64_t round) const;
   void tell_log_what_is_left(dataflow::NodeContext& context);
 
