@@ -353,8 +353,8 @@ engine::Seconds SubdomainTask::seconds_to_adapt_shifted(double tets, std::size_t
   return seconds_to_adapt((kShareWithoutShift + kShareShifted * share) * tets);
 }
 
-/// What comes between two shifts. To be said: of a method that says nothing the mean counts, and where phases
-/// end this one has adapted all.
+/// Where no phase ends. It has to be said: else the mean of the event's runs counts, and those that end
+/// phases adapt all.
 engine::Seconds SubdomainTask::seconds_to_update_topology() const {
   constexpr double kSeconds = 1e-5, kSecondsPerVertex = 3e-7;
   return {kSeconds + kSecondsPerVertex * static_cast<double>(subdomain_.interface.size())};

@@ -14,9 +14,10 @@ double metric_middle(double la, double lb);
 /// What a split may not do.
 struct SplitBounds {
   double shortest;  ///< no new edge shorter than this
-  double keep_share =
-      0.8;  ///< no new tet worse than limits.split_quality unless better than this share of the worst before
-  double quality_share = 1;   ///< the first of these is so much of limits.split_quality
+  /// No new tet is worse than quality_share of limits.split_quality, unless better than keep_share of the
+  /// worst before.
+  double keep_share = 0.8;
+  double quality_share = 1;
   bool must_improve = false;  ///< instead, all new tets are better than the worst before
   bool on_chord = false;      ///< the new vertex stays on the edge where the boundary is curved, too
 };
