@@ -32,6 +32,9 @@ class VirtualTime {
   /// When it has worked so much, as things are.
   virtual std::int64_t when(std::int64_t worked) const = 0;
 
+  /// Whether the communication thread has a core: where ranks share them, one that wakes may have to wait.
+  virtual bool communicates() const = 0;
+
   /// What the communication thread has worked so far.
   virtual std::int64_t communicated() const = 0;
 

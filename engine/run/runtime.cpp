@@ -311,6 +311,8 @@ void Runtime::Implementation::loop() {
 
 bool Runtime::Implementation::turn(TimePoint time) {
   turn_ = time;
+  if (const VirtualTime* simulated = transport_.virtual_time(); simulated && !simulated->communicates())
+    return scheduler_.work_virtually();
   bool busy = exchange_.progress([this](Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
     receive(from, kind, std::move(payload), wire_bytes);
   });

@@ -10,6 +10,7 @@
 #include "engine/base/arena.h"
 #include "engine/base/text.h"
 #include "engine/schedule/context.h"
+#include "engine/trace/held_up.h"
 #include "engine/trace/processor_time.h"
 
 namespace weft::engine {
@@ -541,13 +542,11 @@ void Scheduler::handle_ready(Lane& lane, bool& busy) {
     busy = true;
     lock.unlock();
     consume(task);
-    const TimePoint begin = unpack_if_packed(cell, task, lane);
-    handle(cell, task);
-    const TimePoint end = now();
+    const Times times = run(cell, task, lane);
     lock.lock();
     --busy_;
     busy = false;
-    const std::unique_ptr<Cell> dead = finish(cell, task, begin, end, lane);
+    const std::unique_ptr<Cell> dead = finish(cell, task, times, lane);
     if (dead) {  // freeing a large object takes time
       lock.unlock();
       dead->type->destroy(std::exchange(dead->object, nullptr));
@@ -573,23 +572,33 @@ void Scheduler::handler_failed(const Cell& cell, const Task& task) {
   fail(text(describe(cell, task), ": ", what));
 }
 
-/// Returns when the handler begins.
-TimePoint Scheduler::unpack_if_packed(Cell& cell, const Task& task, Lane& lane) {
-  const TimePoint begin = now();
-  if (!cell.packed) return begin;
-  const TimePoint worked = processor_time();
+Scheduler::Times Scheduler::run(Cell& cell, Task& task, Lane& lane) {
+  unpack_if_packed(cell, task, lane);
+  // A helper may have the worker's place: what counts is that of the thread that does it.
+  thread_local HeldUpClock clock;
+  Times times;
+  times.begin = now();
+  const TimePoint held_up = clock.until(times.begin);
+  handle(cell, task);
+  times.end = now();
+  times.took = times.end - times.begin - (clock.until(times.end) - held_up);
+  return times;
+}
+
+void Scheduler::unpack_if_packed(Cell& cell, const Task& task, Lane& lane) {
+  if (!cell.packed) return;
+  const TimePoint begin = now(), worked = processor_time();
   const bool done = guard(cell, task, [&] {
     Payload packed = std::move(*cell.packed);
     cell.packed.reset();
     if (options_.virtual_time) options_.virtual_time->copied(packed.size());
     cell.object = cell.type->unpack(std::move(packed));
   });
-  if (!done) return begin;
+  if (!done) return;
   const TimePoint end = now(), unpacking = processor_time() - worked;
   lane.span({begin, end, cell.id, Span::kNoName, Activity::unpack, 0});
   const Lock lock(mutex_);
   unpacking_.add(unpacking);
-  return end;
 }
 
 void Scheduler::handle(Cell& cell, Task& task) {
@@ -623,11 +632,10 @@ void Scheduler::leave(Cell& cell, std::uint64_t to) {
 }
 
 /// Records the handler that has run; returns the object if it was its last.
-std::unique_ptr<Cell> Scheduler::finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end,
-                                        Lane& lane) {
+std::unique_ptr<Cell> Scheduler::finish(Cell& cell, const Task& task, const Times& times, Lane& lane) {
   const MethodInfo* method = task.info;
   const std::uint32_t name = method ? method->index : Span::kNoName;
-  lane.span({begin, end, cell.id, name, Activity::compute, task.envelope.id});
+  lane.span({times.begin, times.end, cell.id, name, Activity::compute, task.envelope.id});
   if (cell.type == nullptr) {
     cell.state = Cell::State::idle;
     root_function_ = nullptr;
@@ -635,7 +643,7 @@ std::unique_ptr<Cell> Scheduler::finish(Cell& cell, const Task& task, TimePoint 
   }
   ++handled_;
   if (method)
-    costs_.measured(name, cell.costs, task.envelope.expected, static_cast<double>(end - begin) * 1e-9);
+    costs_.measured(name, cell.costs, task.envelope.expected, static_cast<double>(times.took) * 1e-9);
   if (cell.destroyed) return destroy(cell);
   rest(cell);
   if (options_.report_finished) {

@@ -164,11 +164,17 @@ class Scheduler {
   Rank home_of(ObjectId id) const { return Rank(id.home.value % options_.ranks); }
   void dispatch(Task task);
 
+  /// Of a handler that has run. Nanoseconds.
+  struct Times {
+    TimePoint begin = 0, end = 0;
+    TimePoint took = 0;  ///< without what its thread waited for a processor that others had
+  };
+
   /// A handler of a simulated rank that has run; its worker is busy with it until `end`.
   struct VirtualRun {
     Cell* cell = nullptr;  ///< null: the worker is free
     Task task;
-    TimePoint begin = 0;
+    Times times;
     TimePoint end = 0;                             ///< by VirtualTime::worked()
     std::deque<std::pair<TimePoint, Task>> sends;  ///< likewise when each leaves; ascending
   };
@@ -197,10 +203,11 @@ class Scheduler {
     }
   }
   void handler_failed(const Cell& cell, const Task& task);
-  TimePoint unpack_if_packed(Cell& cell, const Task& task, Lane& lane);
+  Times run(Cell& cell, Task& task, Lane& lane);
+  void unpack_if_packed(Cell& cell, const Task& task, Lane& lane);
   void handle(Cell& cell, Task& task);
   void leave(Cell& cell, std::uint64_t to);
-  std::unique_ptr<Cell> finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end, Lane& lane);
+  std::unique_ptr<Cell> finish(Cell& cell, const Task& task, const Times& times, Lane& lane);
   void rest(Cell& cell);
   std::unique_ptr<Cell> destroy(Cell& cell);
   std::unique_ptr<Cell> take_out(ObjectId id);

@@ -50,8 +50,8 @@ bool Scheduler::advance(VirtualRun& run, Lane& lane, TimePoint time) {
     }
     if (run.end > worked || !run.sends.empty()) return any;
     --busy_;
-    const TimePoint end = std::min(time, options_.virtual_time->when(run.end));
-    dead = finish(*run.cell, run.task, run.begin, end, lane);
+    run.times.end = std::min(time, options_.virtual_time->when(run.end));
+    dead = finish(*run.cell, run.task, run.times, lane);
     run = {};
   }
   options_.virtual_time->workers_run(-1);
@@ -72,7 +72,7 @@ void Scheduler::begin(VirtualRun& run, Lane& lane) {
       dequeued(run.task.predicted, 1);
     }
     cell.runs = run.task.envelope.method;
-    cell.runs_since = run.begin = now();
+    cell.runs_since = now();
     cell.lane = trace_.index_of(lane);
     run.cell = &cell;
     ++busy_;
@@ -83,10 +83,8 @@ void Scheduler::begin(VirtualRun& run, Lane& lane) {
 
 void Scheduler::run_virtually(VirtualRun& run, Lane& lane) {
   sender_ = &run;
-  const TimePoint took = options_.virtual_time->run_handler([&] {
-    run.begin = unpack_if_packed(*run.cell, run.task, lane);
-    handle(*run.cell, run.task);
-  });
+  const TimePoint took =
+      options_.virtual_time->run_handler([&] { run.times = this->run(*run.cell, run.task, lane); });
   sender_ = nullptr;
   const TimePoint begin = now();
   const TimePoint worked = options_.virtual_time->worked(begin);

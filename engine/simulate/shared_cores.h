@@ -39,6 +39,9 @@ class SharedCores {
     return rate() > before;
   }
 
+  /// Whoever wants to run has to wait.
+  bool all_busy() const { return cores_ > 0 && running_ >= cores_; }
+
  private:
   double rate() const {
     return cores_ == 0 ? 1 : std::min(1.0, static_cast<double>(cores_) / std::max(running_, 1));

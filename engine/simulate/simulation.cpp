@@ -220,8 +220,15 @@ class SimulatedRank final : public Transport, public VirtualTime {
     charge();
     TimePoint until = clock_ + (woken_.exchange(false) ? 0 : std::max<TimePoint>(at_most.count(), 0));
     until = std::max(until, clock_ + kShortestWait);
-    if (!packets_.empty()) until = std::min(until, std::max(packets_.front().time, clock_));
+    if (!communicates()) {
+      until = std::min(until, *core_at_);
+    } else {
+      core_at_.reset();
+      if (!packets_.empty()) until = std::min(until, std::max(packets_.front().time, clock_));
+    }
     sleep(until);
+    if (!core_at_ && simulation_.cores().all_busy())
+      core_at_ = clock_ + nanoseconds(simulation_.options().core_wait);
   }
 
   void wake() noexcept override { woken_ = true; }
@@ -283,6 +290,7 @@ class SimulatedRank final : public Transport, public VirtualTime {
   }
   std::int64_t worked(std::int64_t time) const override { return simulation_.cores().worked(time); }
   std::int64_t when(std::int64_t worked) const override { return simulation_.cores().when(worked); }
+  bool communicates() const override { return !core_at_ || clock_ >= *core_at_; }
   std::int64_t communicated() const override { return communicated_ + (in_handler_ ? 0 : measured()); }
 
  private:
@@ -336,7 +344,8 @@ class SimulatedRank final : public Transport, public VirtualTime {
   TimePoint charged_ = 0;  ///< processor time at the last charge() or skip()
   TimePoint communicated_ = 0;
   bool in_handler_ = false;
-  int running_ = 0;  ///< workers
+  std::optional<TimePoint> core_at_;  ///< the communication thread has woken, and waits until then
+  int running_ = 0;                   ///< workers
   std::atomic<bool> woken_{false};
   bool waits_ = false;
   TimePoint wakes_at_ = kNever;

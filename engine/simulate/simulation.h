@@ -20,9 +20,11 @@ struct SimulationOptions {
   bool measured = true;
   double slowdown = 1;
 
-  /// That the workers of all ranks share, as on one machine; communication threads, which have little to do,
-  /// need none. 0: each worker has its own.
+  /// That the workers of all ranks share, as on one machine; 0: each worker has its own. Communication
+  /// threads, which have little to do, take none of their time, but one that wakes while workers run on all
+  /// waits for so many seconds, as those of real runs do (tests/experiments/2026-11-27-simulation.md).
   int cores = 0;
+  double core_wait = 4e-4;
 
   // Where time is not measured.
   double handler_overhead = 1e-6;  ///< seconds of the engine for each handler

@@ -209,6 +209,33 @@ TEST(Simulation, Ranks_that_share_cores_get_on_at_one_rate_and_faster_when_some_
   is_about(shared[3], 5.5);
 }
 
+/// When the communication thread of rank 1 goes on that sleeps for a millisecond, while rank 0 works.
+TimePoint goes_on_with(int cores) {
+  SimulationOptions options = given(2);
+  options.cores = cores;
+  options.core_wait = 0.5e-3;
+  TimePoint goes_on = 0;
+  simulate(options, [&](Transport& transport) {
+    VirtualTime& time = *transport.virtual_time();
+    if (transport.rank() == Rank(0)) {
+      time.workers_run(1);
+      transport.wait(std::chrono::milliseconds(10));
+      time.workers_run(-1);
+    } else {
+      do transport.wait(std::chrono::milliseconds(1));
+      while (!time.communicates());
+      goes_on = time.now();
+    }
+  });
+  return goes_on;
+}
+
+TEST(Simulation, Communication_threads_wait_for_a_core_where_workers_have_all) {
+  EXPECT_EQ(goes_on_with(1), 3 * kMillisecond / 2);
+  EXPECT_EQ(goes_on_with(2), kMillisecond);
+  EXPECT_EQ(goes_on_with(0), kMillisecond);
+}
+
 TEST(Simulation, Every_balancer_spreads_work_over_a_thousand_ranks) {
   for (const char* name : {"stealing", "diffusion"}) {
     SimulationResult result;
