@@ -76,7 +76,7 @@ class Book(Recordings):
         missing = "".join(f"<li>{html.escape(m)}</li>" for m in self.missing)
         note = "<p><b>Quick: a small mesh in place of the paper's; shapes of curves compare, figures do not.</b></p>" if quick else ""
         page = (f"<!doctype html><meta charset=utf-8><title>The paper by weft</title><style>body{{font-family:sans-serif;max-width:72em;"
-                f"margin:2em auto}}table{{border-collapse:collapse}}td,th{{padding:.2em .8em;text-align:right;border-bottom:1px solid #ccc}}"
+                f"margin:2em auto}}table{{border-collapse:collapse}}td,th{{padding:.2em .8em;text-align:right;border-bottom:1px solid #ccc}}td{{white-space:nowrap}}"
                 f"img{{width:32%}}</style><h1>The paper's figures by weft</h1><p>Where no other is named: {html.escape(case.name)}, complexity "
                 f"{case.complexity:,}, {sizes.subdomains} subdomains. {CORES_HERE} cores; load average at the beginning {self.load:.1f}: times of a "
                 f"machine that has other work mean little.</p>{note}{''.join(parts)}<h2>Not here</h2><ul>{missing}</ul>")
