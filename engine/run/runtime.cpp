@@ -660,6 +660,8 @@ RankSummary Runtime::Implementation::summary() const {
   facts.counters["objects_in"] = static_cast<double>(scheduler_.moved_in());
   facts.counters["objects_out"] = static_cast<double>(scheduler_.moved_out());
   facts.counters["snapshot_seconds"] = static_cast<double>(scheduler_.copying()) * 1e-9;
+  if (transport_.virtual_time() != nullptr)
+    facts.counters["core_wait_seconds"] = static_cast<double>(scheduler_.waited_for_cores()) * 1e-9;
   facts.counters["handlers"] = static_cast<double>(scheduler_.handled());
   return summarize(trace_, facts);
 }

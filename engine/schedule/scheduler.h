@@ -133,6 +133,8 @@ class Scheduler {
   std::uint64_t moved_in() const { return moved_in_; }
   std::uint64_t moved_out() const { return moved_out_; }
   std::uint64_t handled() const { return handled_; }
+  /// Nanoseconds that workers of simulated ranks waited for cores that they share.
+  TimePoint waited_for_cores() const { return waited_for_cores_; }
 
  private:
   using Lock = std::unique_lock<std::mutex>;
@@ -175,6 +177,7 @@ class Scheduler {
     Cell* cell = nullptr;  ///< null: the worker is free
     Task task;
     Times times;
+    TimePoint own_end = 0;                         ///< when it would have ended on a core of its own
     TimePoint end = 0;                             ///< by VirtualTime::worked()
     std::deque<std::pair<TimePoint, Task>> sends;  ///< likewise when each leaves; ascending
   };
@@ -246,6 +249,7 @@ class Scheduler {
   std::uint64_t moved_in_ = 0;
   std::uint64_t moved_out_ = 0;
   std::uint64_t handled_ = 0;
+  TimePoint waited_for_cores_ = 0;
   RecentTimes packing_;        ///< processor time of objects that have left
   RecentTimes unpacking_;      ///< of objects that have come
   std::uint64_t waiting_ = 0;  ///< objects that wait for an event or hold messages

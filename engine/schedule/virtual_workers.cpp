@@ -51,6 +51,7 @@ bool Scheduler::advance(VirtualRun& run, Lane& lane, TimePoint time) {
     if (run.end > worked || !run.sends.empty()) return any;
     --busy_;
     run.times.end = std::min(time, options_.virtual_time->when(run.end));
+    waited_for_cores_ += std::max<TimePoint>(0, run.times.end - run.own_end);
     dead = finish(*run.cell, run.task, run.times, lane);
     run = {};
   }
@@ -90,6 +91,7 @@ void Scheduler::run_virtually(VirtualRun& run, Lane& lane) {
   const TimePoint worked = options_.virtual_time->worked(begin);
   for (auto& [time, task] : run.sends) time += worked - begin;
   run.end = worked + took;
+  run.own_end = begin + took;
   options_.virtual_time->workers_run(1);
 }
 

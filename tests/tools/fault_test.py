@@ -122,7 +122,8 @@ class Faults(CommandTest):
 
     def assert_nothing_is_lost(self, done, kind, mode, told):
         # An MPI that cannot start or end ends the run by itself, with a code of its own; 128 and more are signals.
-        of_mpi = kind in ("mpi", "shm") or "Fatal error in internal_Init" in done.stderr  # the latter MPICH's, by whatever call
+        # By whatever call: MPICH, or UCX below it, which may end without MPICH's words.
+        of_mpi = kind in ("mpi", "shm") or re.search(r"Fatal error in internal_Init|UCX +ERROR", done.stderr)
         codes = range(128) if mode.ranks and of_mpi else (0, 1, 2)
         self.assertIn(done.returncode, codes, told)
         if done.returncode == 2 and not mode.ranks:

@@ -45,11 +45,18 @@ OperationSeconds seconds_of_rank(const engine::RankSummary& summary,
     add_seconds(graph.description.nodes[run.node].name, took, beside_seconds(graph, run), seconds);
     in_nodes += took;
   }
-  seconds[kConversion] += summary.times.unpack + summary.times.copy;
-  seconds[kMisc] += std::max(0.0, summary.times.compute - in_nodes);
-  seconds[kHelp] += summary.times.help;
-  seconds[kIdle] += summary.times.idle;
+  add_beside_nodes(summary, in_nodes, seconds);
   return seconds;
+}
+
+void add_beside_nodes(const engine::RankSummary& summary, double in_nodes, OperationSeconds& seconds) {
+  const double beside = std::max(0.0, summary.times.compute - in_nodes);
+  const auto counter = summary.counters.find("core_wait_seconds");
+  const double waited = counter == summary.counters.end() ? 0 : std::min(beside, counter->second);
+  seconds[kConversion] += summary.times.unpack + summary.times.copy;
+  seconds[kMisc] += beside - waited;
+  seconds[kHelp] += summary.times.help;
+  seconds[kIdle] += summary.times.idle + waited;
 }
 
 }  // namespace weft::report

@@ -52,6 +52,11 @@ void add_seconds(std::string_view node, double took, const BesideSeconds& beside
 /// The seconds of a run that went into something beside.
 BesideSeconds beside_seconds(const graph::dataflow::GraphDump& graph, const graph::dataflow::DumpedRun& run);
 
+/// Adds what a rank's workers did while they were in no node: conversion, help and idle, and misc. Nodes of
+/// simulated ranks take processor time: what their workers waited for cores that ranks share, which only
+/// these count, is idle, not misc.
+void add_beside_nodes(const engine::RankSummary& summary, double in_nodes, OperationSeconds& seconds);
+
 /// The seconds of one rank's workers: they add up to workers * wall, but for the rounding. Nodes from the
 /// graph, conversion, help and idle from the engine, misc what handlers did beside nodes. Without runs all
 /// that handlers did is misc.

@@ -60,6 +60,20 @@ TEST(Operations, OfARunWithoutAGraphAreMisc) {
   EXPECT_DOUBLE_EQ(seconds[0], 0);
 }
 
+TEST(Operations, WhatWorkersWaitForSharedCoresIsIdle) {
+  engine::RankSummary rank;
+  rank.times.compute = 5;
+  rank.times.idle = 1;
+  OperationSeconds real{}, simulated{};
+  add_beside_nodes(rank, 1.5, real);
+  EXPECT_DOUBLE_EQ(real[kMisc], 3.5);
+  EXPECT_DOUBLE_EQ(real[kIdle], 1);
+  rank.counters["core_wait_seconds"] = 3;
+  add_beside_nodes(rank, 1.5, simulated);
+  EXPECT_DOUBLE_EQ(simulated[kMisc], 0.5);
+  EXPECT_DOUBLE_EQ(simulated[kIdle], 4);
+}
+
 TEST(Profile, HasTheRunsOfTheGraphInTheRowsOfTheTimeline) {
   const Json& profile = sample().profile;
   EXPECT_EQ(profile["graph"], graph::dataflow::json_of(sample().graph));

@@ -116,13 +116,13 @@ RankStats seconds_of_rank(partition::Peers& peers, const graph::dataflow::Execut
   std::vector<double> here(report::kOperations.size() + 1, 0);
   for (const std::vector<double>& known : partition::all_to_all(peers, seconds_in_nodes(log, peers.ranks())))
     for (std::size_t o = 0; o < known.size(); ++o) here[o] += known[o];
+  report::OperationSeconds of_workers{};
+  std::copy_n(here.begin(), of_workers.size(), of_workers.begin());
+  report::add_beside_nodes(summary, here.back(), of_workers);
   std::map<std::string, double> seconds;
-  for (std::size_t o = 0; o < report::kOperations.size(); ++o)
-    seconds[std::string(report::kOperations[o])] = here[o];
-  seconds["conversion"] = summary.times.unpack + summary.times.copy + summary.times.pack;
-  seconds["misc"] = std::max(0.0, summary.times.compute - here.back());
-  seconds["help"] = summary.times.help;
-  seconds["idle"] = summary.times.idle;
+  for (std::size_t o = 0; o < of_workers.size(); ++o)
+    seconds[std::string(report::kOperations[o])] = of_workers[o];
+  seconds["conversion"] += summary.times.pack;
   seconds["communication"] = std::max(0.0, summary.times.communication - summary.times.pack);
   return {summary.rank.value, in_order(seconds)};
 }
