@@ -5,8 +5,7 @@
 
 namespace weft::engine {
 
-/// Nanoseconds that the calling thread has been ready to run and did not, since it began, as Linux counts
-/// them
+/// Nanoseconds that the calling thread has been ready to run and did not, since it began, by Linux
 /// (/proc/thread-self/schedstat); 0 where the system does not say.
 TimePoint held_up();
 
