@@ -495,10 +495,13 @@ class Adaptation {
   }
 
   /// Where a coarse mesh has met a metric that turns from one place to the next, points have been created
-  /// along wrong directions, and stand in each other's way.
+  /// along wrong directions, and stand in each other's way. Where most tets are at frozen vertices it is
+  /// these that nothing fits, and another start meets them again (cube-polar2 to 200,000 in 1,024 subdomains:
+  /// .31 s instead of .14 for the worst of them, the same quality in the end).
   bool fits_badly() {
     if (extent_ != Extent::everything || interrupted()) return false;
-    return pass([&] { return count_poor(kShiftBelow); }) > kMisfitShare * tets();
+    if (pass([&] { return count_poor(kShiftBelow); }) <= kMisfitShare * tets()) return false;
+    return pass([&] { return count_at_frozen(); }) <= 0.5 * tets();
   }
 
   /// In a mesh that has its size about everywhere, each level finds the directions that the first time had to
@@ -515,6 +518,13 @@ class Adaptation {
     for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
       poor += mesh_.alive(TetId(i)) && mesh_.quality(TetId(i)) < quality;
     return poor;
+  }
+
+  double count_at_frozen() const {
+    double at_frozen = 0;
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
+      at_frozen += mesh_.alive(TetId(i)) && mesh_.has_frozen(TetId(i));
+    return at_frozen;
   }
 
   /// All has been judged before; the poor ones by the other mean, in the last improvement.

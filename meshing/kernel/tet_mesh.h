@@ -213,6 +213,10 @@ class TetMesh {
   void thaw(VertexId v) { vertices_[v.value].flags &= static_cast<std::uint8_t>(~kFrozen); }
   /// May be asked before v is claimed: no operator freezes, thaws or removes a frozen vertex.
   bool frozen(VertexId v) const { return load(vertices_[v.value].flags) & kFrozen; }
+  bool has_frozen(TetId t) const {
+    const TetVertices v = vertices(t);
+    return std::any_of(v.begin(), v.end(), [this](VertexId x) { return frozen(x); });
+  }
 
   // --- feature edges ---
   /// The curve of edge (a, b), invalid when it is no feature edge. Both ends must be claimed.

@@ -2,14 +2,18 @@
 // alike is the same problem.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <thread>
 
 #include "meshing/adapt/adapt.h"
+#include "meshing/adapt/stages.h"
 #include "meshing/mesh/check_mesh.h"
+#include "meshing/mesh/structured_box.h"
 #include "meshing/metric/measures.h"
+#include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 #include "tests/support/repetitions.h"
 #include "tests/support/turning_metric.h"
@@ -93,6 +97,42 @@ TEST(TurningMetric, OfACoarseSlabIsMet) {
   const AdaptResult result = adapt(mesh, {&mesh, &field}, {});
   EXPECT_EQ(check_mesh(result.mesh).num_problems, 0u);
   EXPECT_GT(measure(result.mesh, result.log_metrics).quality_mean, 0.45);
+}
+
+std::ptrdiff_t starts_again(const AdaptReport& report) {
+  return std::ranges::count(report.stages, "start again", &StageReport::name);
+}
+
+/// Starting again would meet the same frozen faces.
+TEST(TurningMetric, WhereMostTetsAreAtFrozenVerticesNothingStartsAgain) {
+  BoxOptions box;
+  box.cells = {6, 6, 1};
+  box.max = {1, 1, 0.02};
+  const MeshData mesh = structured_box(box);
+  for (const bool frozen : {false, true}) {
+    SCOPED_TRACE(frozen);
+    support::KernelRig rig(mesh, support::turning_metric(mesh, 60, 2));
+    if (frozen)
+      for (const VertexId v : rig.live_vertices()) rig.mesh.freeze(v);
+    AdaptReport report;
+    adapt_in_place(rig.kernel, {}, Extent::everything, report);
+    rig.judge_by(MetricMean::arithmetic);
+    support::expect_sound(rig.mesh);
+    double at_frozen = 0, poor = 0;
+    const std::vector<TetId> tets = rig.live_tets();
+    for (const TetId t : tets) {
+      at_frozen += rig.mesh.has_frozen(t);
+      poor += rig.mesh.quality(t) < kShiftBelow;
+    }
+    const auto all = static_cast<double>(tets.size());
+    if (frozen) {
+      EXPECT_GT(at_frozen, 0.5 * all);
+      EXPECT_GT(poor, kMisfitShare * all);
+      EXPECT_EQ(starts_again(report), 0);
+    } else {
+      EXPECT_GT(starts_again(report), 0);
+    }
+  }
 }
 
 }  // namespace
