@@ -12,10 +12,11 @@ Ends with 1 where the loop of 3 is off by more than --allowed, or that of 4 by m
 has other work shows in the load average, which is in the table: figures of such a run mean nothing, but for those of 4
 with --times processor.
 
-1,024 subdomains predicted from 256, which takes some minutes. A small mesh in many subdomains, as the default one in
-256, is predicted much too short: a few of them take several times as long as any of the coarser decomposition.
+1,024 subdomains predicted from 256, of the cube, whose start mesh is far from its metric in places, and of a mesh with its
+metric; each takes some minutes. A small mesh in many subdomains, as the default one in 256, is predicted much too short.
 
-    calibrate.py --complexity 200000 --subdomains 256 --cores --finer 1024 --on 1 16 64 256 512 1024"""
+    calibrate.py --complexity 200000 --subdomains 256 --cores --finer 1024 --on 1 16 64 256 512 1024
+    calibrate.py --start MESH METRIC --complexity 500000 --subdomains 256 --cores --finer 1024 --on 1 16 64 256 512 1024"""
 
 import argparse
 import json

@@ -51,7 +51,7 @@ DurationModel::DurationModel(const GraphDump& recorded)
       exponents_(recorded.description.nodes.size()) {
   add_samples(recorded);
   for (NodeIndex node = 0; node < exponents_.size(); ++node) fit(node, recorded.description.nodes[node].kind);
-  for (auto& [key, samples] : samples_) samples.uneven = unevenness(samples.all, exponents_[key.first]);
+  for (auto& [key, samples] : samples_) samples.usual = usual(samples.all, exponents_[key.first]);
 }
 
 void DurationModel::add_samples(const GraphDump& recorded) {
@@ -60,20 +60,21 @@ void DurationModel::add_samples(const GraphDump& recorded) {
         {sizes_[run.instance], std::max(1.0, static_cast<double>(run.end - run.begin))});
 }
 
-/// Of the times, once the sizes are taken out of them.
-double DurationModel::unevenness(const std::vector<Sample>& samples, double exponent) {
-  double sum = 0, squares = 0;
-  for (const Sample& s : samples) {
-    const double time = s.nanoseconds / std::pow(s.size, exponent);
-    sum += time, squares += time * time;
-  }
-  return std::max(0.0, 1 - sum * sum / (squares * static_cast<double>(samples.size())));
+double DurationModel::usual(const std::vector<Sample>& samples, double exponent) {
+  std::vector<double> times;
+  for (const Sample& s : samples) times.push_back(s.nanoseconds / std::pow(s.size, exponent));
+  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::nth_element(times.begin(), middle, times.end());
+  return *middle;
 }
 
 /// Least squares with a normal prior of the slope. What an instance does by itself goes over all that it has;
-/// what it does when values of its neighbours have come, over what lies along the surface between them.
+/// what it does when values of its neighbours have come, over what lies along the surface between them. Times
+/// differ for other reasons than size, which may go with it in all instances (what lies where the mesh is far
+/// from its metric is both harder and a little larger): that much more uncertain is the slope, however many
+/// there are. Subdomains that differ by a few per cent, as a good decomposition's, say nothing of powers.
 void DurationModel::fit(NodeIndex node, dataflow::NodeKind kind) {
-  constexpr double kDeviation = 0.1;
+  constexpr double kDeviation = 0.1, kCorrelation = 0.3;  // of the prior; of those reasons with the size
   const double prior = kind == dataflow::NodeKind::start ? 1 : 2.0 / 3;
   double xx = 0, xy = 0, yy = 0, degrees = 0;
   for (auto at = samples_.lower_bound({node, 0}); at != samples_.end() && at->first.first == node; ++at) {
@@ -89,25 +90,31 @@ void DurationModel::fit(NodeIndex node, dataflow::NodeKind kind) {
     degrees += count - 1;
   }
   const double slope = xx > 0 ? xy / xx : prior;
-  const double variance = std::max(1e-9, (yy - slope * xy) / std::max(1.0, degrees - 1));
+  const double of_one = std::max(1e-9, (yy - slope * xy) / std::max(1.0, degrees - 1));
+  const double variance = of_one * (1 + kCorrelation * kCorrelation * degrees);
   const double precision = 1 / (kDeviation * kDeviation);
   exponents_[node] = (xy / variance + prior * precision) / (xx / variance + precision);
 }
 
-/// What makes one instance take longer than another lies on surfaces (of the boundary, where the metric turns
-/// or jumps, of what was too coarse): 1/n of a volume meets such a surface with a probability that is n^(1/3)
-/// times 1/n of what would fill it, so that the mean square of its times, divided by the square of the mean,
-/// grows by n^(1/3) as far as it is uneven. The factor is log-normal, of mean 1; no part takes longer than
-/// the whole, which makes the mean a little less.
-engine::TimePoint DurationModel::draw(NodeIndex node, std::uint64_t round, const Drawn& instance,
-                                      std::mt19937_64& random) const {
-  const Samples& samples = samples_.at({node, round});
-  const Sample& drawn = samples.all[random() % samples.all.size()];
-  const double mean = drawn.nanoseconds * std::pow(instance.size / drawn.size, exponent(node));
-  if (!(instance.size < drawn.size)) return within_limits(mean);
-  const double variance = std::log1p((std::cbrt(drawn.size / instance.size) - 1) * samples.uneven);
-  const double factor = std::exp(std::sqrt(variance) * instance.difficulty - variance / 2);
-  return within_limits(std::min(drawn.nanoseconds, mean * factor));
+TimePoint DurationModel::draw(NodeIndex node, std::uint64_t round, double size,
+                              std::mt19937_64& random) const {
+  const std::vector<Sample>& samples = samples_.at({node, round}).all;
+  const Sample& drawn = samples[random() % samples.size()];
+  return within_limits(drawn.nanoseconds * std::pow(size / drawn.size, exponent(node)));
+}
+
+/// Up to some times what is usual, what an instance takes is spread over it, and each part has its share.
+/// What is beyond comes from a few places that are hard (where the metric turns and the mesh is far from it):
+/// few parts have it, and each of these much of it, but never more than the whole.
+TimePoint DurationModel::of_part(const DumpedRun& recorded, const Part& part) const {
+  constexpr double kHard = 3;  // times what is usual; see tests/experiments/2026-11-29-finer.md
+  const double all = std::max(1.0, static_cast<double>(recorded.end - recorded.begin));
+  const double usual = samples_.at({recorded.node, recorded.round}).usual *
+                       std::pow(sizes_[recorded.instance], exponent(recorded.node));
+  const double spread = std::min(all, kHard * usual);
+  const double share = std::pow(1.0 / part.of, exponent(recorded.node));
+  const double share_of_hard = part.is_hard ? std::min(1.0, share * part.of / part.hard_ones) : 0;
+  return within_limits(spread * share + (all - spread) * share_of_hard);
 }
 
 }  // namespace weft::graph::replay

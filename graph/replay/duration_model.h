@@ -18,15 +18,16 @@ inline constexpr const char* kSizeCounter = "tets predicted";
 /// Nanoseconds as whole ones; what is too long for any clock stays so without overflow.
 engine::TimePoint within_limits(double nanoseconds);
 
-/// An instance that was not recorded.
-struct Drawn {
-  double size;
-  double difficulty;  ///< beside those of its size: of the standard normal distribution
+/// One of `of` equal parts of a recorded instance.
+struct Part {
+  std::uint32_t of = 1;
+  std::uint32_t hard_ones = 1;  ///< so many of them have what is hard of the whole
+  bool is_hard = true;          ///< this one has
 };
 
-/// Bootstrapped: a run takes what one of the same node and round took in a recorded instance drawn at random,
-/// times the ratio of the sizes to the power that fits the node's recorded times. Of a smaller instance that
-/// is the mean: pieces differ more than what they are pieces of.
+/// Bootstrapped. An instance that is no part of a recorded one takes in a run what one of the same node and
+/// round took in a recorded instance drawn at random, times the ratio of the sizes to the power that fits the
+/// node's recorded times.
 class DurationModel {
  public:
   /// Throws std::invalid_argument for sizes that are none.
@@ -36,9 +37,11 @@ class DurationModel {
   const std::vector<double>& sizes() const { return sizes_; }
   /// Where the runs' counters have the size.
   std::size_t size_counter() const { return size_counter_; }
-  /// Nanoseconds. What is hard for an instance in one round is so in the others.
-  engine::TimePoint draw(dataflow::NodeIndex node, std::uint64_t round, const Drawn& instance,
+  /// Nanoseconds, in an instance of so many tets.
+  engine::TimePoint draw(dataflow::NodeIndex node, std::uint64_t round, double size,
                          std::mt19937_64& random) const;
+  /// Nanoseconds, in a part of the instance that this run was recorded in.
+  engine::TimePoint of_part(const dataflow::DumpedRun& recorded, const Part& part) const;
   /// Seconds of a node go with this power of the size: fitted within the rounds, pulled to that of a volume
   /// or a surface where the recorded sizes differ too little to tell.
   double exponent(dataflow::NodeIndex node) const { return exponents_.at(node); }
@@ -50,11 +53,11 @@ class DurationModel {
   };
   struct Samples {
     std::vector<Sample> all;
-    double uneven = 0;  ///< in [0, 1): share of the mean square of the times that is not their mean's
+    double usual = 0;  ///< nanoseconds a tet to the node's power: their median
   };
   void add_samples(const dataflow::GraphDump& recorded);
   void fit(dataflow::NodeIndex node, dataflow::NodeKind kind);
-  static double unevenness(const std::vector<Sample>& samples, double exponent);
+  static double usual(const std::vector<Sample>& samples, double exponent);
 
   std::size_t size_counter_;
   std::vector<double> sizes_;

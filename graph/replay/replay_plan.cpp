@@ -224,30 +224,58 @@ class Enlarger {
  private:
   std::uint32_t copies() const { return enlargement_.copies * enlargement_.split; }
   double growth() const { return enlargement_.grow / enlargement_.split; }
-  bool is_recording(std::uint32_t copy) const { return copy == 0 && growth() == 1; }
+  bool is_split() const { return enlargement_.split > 1; }
+  bool is_recording(std::uint32_t copy) const { return copy == 0 && growth() == 1 && !is_split(); }
 
   void add_copy(std::uint32_t copy) {
     const auto instances = static_cast<std::uint32_t>(dump_.instances.size());
-    std::vector<Drawn> drawn;
-    for (auto instance : dump_.instances) {
+    if (copy % enlargement_.split == 0) hard_parts_ = choose_hard_parts(instances);
+    std::vector<double> sizes = durations_.sizes();
+    for (std::uint32_t i = 0; i < instances; ++i) {
+      dataflow::DumpedInstance instance = dump_.instances[i];
       instance.number += std::uint64_t{copy} * instances;
       if (copy > 0) instance.object = {engine::Rank(0), copy * instances + instance.object.number + 1};
       large_.instances.push_back(instance);
-      const double size = durations_.sizes()[random_() % instances] * growth();
-      drawn.push_back({size, difficulty_(random_)});
+      if (!is_split()) sizes[i] = durations_.sizes()[random_() % instances];
+      sizes[i] *= growth();
     }
     for (DumpedRun run : dump_.runs) {
-      if (!is_recording(copy)) resize(run, drawn[run.instance]);
+      if (is_split())
+        take(run, time_of_part(run, copy), sizes[run.instance]);
+      else if (!is_recording(copy))
+        take(run, durations_.draw(run.node, run.round, sizes[run.instance], random_), sizes[run.instance]);
       run.instance += copy * instances;
       large_.runs.push_back(std::move(run));
     }
   }
 
-  void resize(DumpedRun& run, const Drawn& instance) {
-    const TimePoint takes = durations_.draw(run.node, run.round, instance, random_);
+  /// Of each recorded instance which of its parts have what is hard of it: about the cube root of their
+  /// number, the first of them at random.
+  struct HardParts {
+    std::uint32_t first, count;
+  };
+  std::vector<HardParts> choose_hard_parts(std::uint32_t instances) {
+    std::vector<HardParts> chosen;
+    const double count = std::cbrt(enlargement_.split), whole = std::floor(count);
+    std::bernoulli_distribution one_more(count - whole);
+    for (std::uint32_t i = 0; i < instances; ++i)
+      chosen.push_back({static_cast<std::uint32_t>(random_() % enlargement_.split),
+                        static_cast<std::uint32_t>(whole) + one_more(random_)});
+    return chosen;
+  }
+
+  TimePoint time_of_part(const DumpedRun& run, std::uint32_t copy) const {
+    const HardParts& hard = hard_parts_[run.instance];
+    const std::uint32_t split = enlargement_.split;
+    const bool is_hard = (copy % split + split - hard.first) % split < hard.count;
+    const double grown = std::pow(enlargement_.grow, durations_.exponent(run.node));
+    return within_limits(grown * static_cast<double>(durations_.of_part(run, {split, hard.count, is_hard})));
+  }
+
+  void take(DumpedRun& run, TimePoint takes, double size) {
     counters_.scale(run, ratio_of(takes, run.end - run.begin));
-    const std::size_t size = durations_.size_counter();
-    if (size < run.counters.size() && run.counters[size] > 0) run.counters[size] = instance.size;
+    const std::size_t place = durations_.size_counter();
+    if (place < run.counters.size() && run.counters[place] > 0) run.counters[place] = size;
     run.end = run.begin + takes;
     run.bytes_received = on_surface(run.bytes_received);
   }
@@ -297,7 +325,7 @@ class Enlarger {
   SecondsCounters counters_;
   double surface_;
   std::mt19937_64 random_;
-  std::normal_distribution<double> difficulty_;
+  std::vector<HardParts> hard_parts_;  ///< of this copy
   GraphDump large_;
 };
 

@@ -88,9 +88,10 @@ struct Enlargement {
   std::uint64_t seed = 1;
 };
 
-/// A graph of `copies * split` times as many instances, which are as those of the recording. Where sizes stay
-/// the first copy is the recording itself. The others have sizes drawn from the recorded ones, times
-/// `grow / split`, and their runs take what DurationModel draws for that; values have the bytes of a surface.
+/// A graph of `copies * split` times as many instances, which are as those of the recording. Split, each copy
+/// has all parts of each recorded instance, whose runs take what DurationModel::of_part() says. Else the
+/// first copy is the recording itself where sizes stay; the others have sizes drawn from the recorded ones,
+/// times `grow`, and their runs take what DurationModel::draw() says. Values have the bytes of a surface.
 /// Each instance of a copy sends every `kCrossing`-th value to its twin in the next copy and waits for as
 /// many from that of the one before, so copies wait for each other as parts of one mesh do. Where sizes
 /// change, only sizes and seconds are left of what was counted: nothing is known of the rest. Throws

@@ -24,8 +24,8 @@ messages those of the network. Only the loop of the adaptation is replayed: read
 and writing are not in the graph.
 --copies N makes a graph of N times the mesh in as many times the subdomains, for weak scaling;
 --split N one of the same mesh in N times the subdomains; --grow X makes each X times as large.
-Sizes and times are drawn from the recorded ones: what a step takes goes with the power of the
-predicted tets that fits it.
+What a step takes goes with the power of the predicted tets that fits it; what is hard of a
+subdomain is in few of its parts. Sizes and times of copies are drawn from the recorded ones.
 --network: flat (default), tree:N (N ranks a switch), or with contention, by SimGrid, fat-tree:N and
 dragonfly:N (N ranks a router).
 A task takes one thread: record with --threads 1, for what other threads did at its loops is not in
