@@ -15,6 +15,7 @@
 
 #include "meshing/io/cgns_library.h"
 #include "meshing/io/cgns_section_data.h"
+#include "meshing/io/cgns_triangle_names.h"
 #include "meshing/io/files/child_process.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/merge_pieces.h"
@@ -58,7 +59,7 @@ class ZoneReader {
 
   MeshPiece read(Coordinates wanted) {
     read_size();
-    range_ = {0, num_points_, 0, kAll};
+    range_.num_points = num_points_;
     coordinates_ = wanted;
     read_mesh();
     read_solutions();
@@ -66,10 +67,21 @@ class ZoneReader {
     return std::move(piece_);
   }
 
-  /// Points and tets of the range only, and no fields.
-  MeshContents read(const MeshRange& range) {
-    read_size();
+  /// Points, tets and the part of the range only, and no fields.
+  /// Without `others` no triangles and edges, of which the names are known none the less.
+  MeshContents read(const MeshRange& range, bool others = true) {
+    if (!others) {
+      kept_triangles_ = kept_edges_ = KeptRows(0, 0);
+      read_size();
+    } else if (range.parts > 1) {
+      const PieceSize all = size();
+      kept_triangles_ = KeptRows(range, all.triangles);
+      kept_edges_ = KeptRows(range, all.edges);
+    } else {
+      read_size();
+    }
     range_ = range;
+    kept_tets_ = KeptRows(range.first_tet, range.num_tets);
     read_mesh();
     contents().complete();
     return std::move(contents());
@@ -84,17 +96,21 @@ class ZoneReader {
     return std::move(contents());
   }
 
-  /// Passes over the sections of mixed elements, which do not say how many tets are among them.
+  /// Passes over the sections of mixed elements, which do not say what is among them.
   PieceSize size() {
     read_size();
     PieceSize size{{num_points_, 0}};
     for (int s = 1; s <= num_sections(); ++s) {
       const SectionHead head = section_head(s);
-      if (head.type == CGNS_ENUMV(TETRA_4)) size.tets += head.count;
+      const auto count = [&](CgnsType type, std::uint64_t elements) {
+        if (type == CGNS_ENUMV(TETRA_4)) size.tets += elements;
+        if (type == CGNS_ENUMV(TRI_3)) size.triangles += elements;
+        if (type == CGNS_ENUMV(BAR_2)) size.edges += elements;
+      };
       if (head.type == CGNS_ENUMV(MIXED))
-        for_each_mixed(head, [&](CgnsType type, const std::int64_t*) {
-          size.tets += type == CGNS_ENUMV(TETRA_4) ? 1 : 0;
-        });
+        for_each_mixed(head, [&](CgnsType type, const std::int64_t*) { count(type, 1); });
+      else
+        count(head.type, head.count);
     }
     return size;
   }
@@ -194,39 +210,68 @@ class ZoneReader {
     SectionData data(library_, zone_, section_name_);
     if (data.size() != nodes * head.count)
       library_.fail(section_, "its data are not those of its range of elements");
-    if (head.type == CGNS_ENUMV(TETRA_4)) return read_tets(head, data);
-    if (!is_kept(head.type)) return drop_elements(head.type, head.count);
-    for (std::uint64_t i = 0; i < head.count; ++i) {
-      element_ = head.start + static_cast<std::int64_t>(i);
-      add_element(head.type, data.take(nodes));
+    switch (head.type) {
+      case CGNS_ENUMV(TETRA_4):
+        return read_tets(head, data);
+      case CGNS_ENUMV(TRI_3):
+        return read_triangles(head, data);
+      case CGNS_ENUMV(BAR_2):
+        return read_edges(head, data);
+      default:
+        return drop_elements(head.type, head.count);
     }
   }
 
-  /// Those of the range; the section's name gets its reference whether there are any or none.
+  // Of these three the section's name gets its reference whether any of its elements is kept or none.
+
   void read_tets(const SectionHead& head, SectionData& data) {
     const std::int32_t ref = tet_ref();
-    const std::uint64_t before = tets_passed_;
-    tets_passed_ += head.count;
-    const std::uint64_t first = std::max(before, range_.first_tet),
-                        end = std::min(tets_passed_, range_.num_tets > kAll - range_.first_tet
-                                                         ? kAll
-                                                         : range_.first_tet + range_.num_tets);
-    if (first >= end) return;
-    data.seek(4 * (first - before));
-    for (std::uint64_t tet = first; tet < end; ++tet) {
-      element_ = head.start + static_cast<std::int64_t>(tet - before);
-      add_tet(data.take(4), ref);
+    read_kept<4>(head, data, kept_tets_, [&](const std::int64_t* nodes) { add_tet(nodes, ref); });
+  }
+
+  void read_triangles(const SectionHead& head, SectionData& data) {
+    triangle_names_.add(head.start, head.count, name_index(section_name_));
+    read_kept<3>(head, data, kept_triangles_,
+                 [&](const std::int64_t* nodes) { mesh().triangles.push_back(nodes_of<3>(nodes)); });
+  }
+
+  void read_edges(const SectionHead& head, SectionData& data) {
+    const std::int32_t ref = edge_ref();
+    read_kept<2>(head, data, kept_edges_, [&](const std::int64_t* nodes) { add_edge(nodes, ref); });
+  }
+
+  /// Passes a section of elements of N nodes; nothing of others than those that are kept is read.
+  template <std::size_t N, class Add>
+  void read_kept(const SectionHead& head, SectionData& data, KeptRows& kept, const Add& add) {
+    const KeptRows::Rows rows = kept.among(head.count);
+    kept.pass(head.count);
+    data.seek(N * rows.first);
+    for (std::uint64_t i = rows.first; i < rows.first + rows.count; ++i) {
+      element_ = head.start + static_cast<std::int64_t>(i);
+      add(data.take(N));
     }
   }
 
-  /// Tets of the range, and all others. What the tets' reference is they say together, on every reader.
+  /// What the tets' reference is they say together, on every reader; so do edges.
   void read_mixed(const SectionHead& head) {
-    std::optional<std::int32_t> ref;
+    std::optional<std::int32_t> of_tets, of_edges;
     for_each_mixed(head, [&](CgnsType type, const std::int64_t* nodes) {
-      if (type != CGNS_ENUMV(TETRA_4)) return add_element(type, nodes);
-      if (!ref) ref = tet_ref();
-      const std::uint64_t tet = tets_passed_++;
-      if (tet >= range_.first_tet && tet - range_.first_tet < range_.num_tets) add_tet(nodes, *ref);
+      switch (type) {
+        case CGNS_ENUMV(TETRA_4):
+          if (!of_tets) of_tets = tet_ref();
+          if (kept_tets_.take()) add_tet(nodes, *of_tets);
+          return;
+        case CGNS_ENUMV(TRI_3):
+          triangle_names_.add(element_, 1, name_index(section_name_));
+          if (kept_triangles_.take()) mesh().triangles.push_back(nodes_of<3>(nodes));
+          return;
+        case CGNS_ENUMV(BAR_2):
+          if (!of_edges) of_edges = edge_ref();
+          if (kept_edges_.take()) add_edge(nodes, *of_edges);
+          return;
+        default:
+          drop_elements(type, 1);
+      }
     });
   }
 
@@ -285,19 +330,11 @@ class ZoneReader {
     mesh().tet_refs.push_back(ref);
   }
 
-  static bool is_kept(CgnsType type) { return type == CGNS_ENUMV(TRI_3) || type == CGNS_ENUMV(BAR_2); }
+  std::int32_t edge_ref() { return refs_.edges.ref(without(kEdgePrefix, section_name_)); }
 
-  /// One that is no tet.
-  void add_element(CgnsType type, const std::int64_t* nodes) {
-    if (!is_kept(type)) return drop_elements(type, 1);
-    if (type == CGNS_ENUMV(TRI_3)) {
-      mesh().triangles.push_back(nodes_of<3>(nodes));
-      triangles_.emplace_back(element_, triangles_.size());
-      triangle_names_.push_back(name_index(section_name_));
-    } else {
-      mesh().edges.push_back(nodes_of<2>(nodes));
-      mesh().edge_refs.push_back(refs_.edges.ref(without(kEdgePrefix, section_name_)));
-    }
+  void add_edge(const std::int64_t* nodes, std::int32_t ref) {
+    mesh().edges.push_back(nodes_of<2>(nodes));
+    mesh().edge_refs.push_back(ref);
   }
 
   void drop_elements(CgnsType type, std::uint64_t count) {
@@ -313,15 +350,22 @@ class ZoneReader {
     return static_cast<std::uint32_t>(names_.size() - 1);
   }
 
-  /// Boundary conditions name triangles by the numbers of the elements.
+  /// Boundary conditions name triangles by the numbers of the elements. Names get their references in the
+  /// order of all triangles.
   void read_boundaries() {
-    std::ranges::sort(triangles_);
     int count = 0;
     library_.check(cg_nbocos(library_.file(), kBase, zone_, &count), zone_name_);
     for (int b = 1; b <= count; ++b) read_boundary(b);
-    for (const std::uint32_t name : triangle_names_)
-      mesh().triangle_refs.push_back(refs_.triangles.ref(names_[name]));
+    KeptRows kept = kept_triangles_.again();
+    triangle_names_.for_each_run([&](std::uint64_t begin, std::uint64_t end, std::uint32_t name) {
+      const std::int32_t ref = refs_.triangles.ref(names_[name]);
+      mesh().triangle_refs.insert(mesh().triangle_refs.end(), kept.among(end - begin).count, ref);
+      kept.pass(end - begin);
+    });
   }
+
+  /// By the next number; damaged files have any.
+  static bool follows(cgsize_t element, cgsize_t other) { return element > 0 && element - 1 == other; }
 
   void read_boundary(int b) {
     Name name{};
@@ -346,13 +390,13 @@ class ZoneReader {
     const std::uint32_t index = name_index(name.data());
     if (set == CGNS_ENUMV(ElementRange) || set == CGNS_ENUMV(PointRange)) {
       if (points.size() != 2) library_.fail(entity, "its range is damaged");
-      auto at = std::ranges::lower_bound(triangles_, std::int64_t{points[0]}, {}, &Numbered::first);
-      for (; at != triangles_.end() && at->first <= points[1]; ++at) triangle_names_[at->second] = index;
-    } else {
-      for (const cgsize_t element : points) {
-        const auto at = std::ranges::lower_bound(triangles_, std::int64_t{element}, {}, &Numbered::first);
-        if (at != triangles_.end() && at->first == element) triangle_names_[at->second] = index;
-      }
+      return triangle_names_.rename(points[0], points[1], index);
+    }
+    for (std::size_t i = 0; i < points.size();) {  // lists are mostly of consecutive elements
+      std::size_t end = i + 1;
+      while (end < points.size() && follows(points[end], points[end - 1])) ++end;
+      triangle_names_.rename(points[i], points[end - 1], index);
+      i = end;
     }
   }
 
@@ -429,23 +473,18 @@ class ZoneReader {
     contents().fields.fields.push_back(std::move(field));
   }
 
-  using Numbered = std::pair<std::int64_t, std::size_t>;  ///< element and triangle
-
-  static constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
-
   const Library& library_;
   int zone_;
   std::uint64_t most_, num_points_ = 0;
   MeshRange range_;
   Coordinates coordinates_ = Coordinates::finite;
-  std::uint64_t tets_passed_ = 0;  ///< in the sections read
+  KeptRows kept_tets_, kept_triangles_, kept_edges_;  ///< of the sections so far
   MeshPiece piece_;
   ZoneRefs& refs_;
   std::string zone_name_, section_, section_name_;
   std::int64_t element_ = 0;
-  std::vector<Numbered> triangles_;
   std::vector<std::string> names_;
-  std::vector<std::uint32_t> triangle_names_;  ///< index into names_
+  TriangleNames triangle_names_;  ///< indices of names_
 };
 
 /// Opens the file in another process first: HDF5 1.10 itself can crash on damaged structure (it frees link
@@ -522,7 +561,6 @@ MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange&
   RefNames names;
   ZoneRefs refs(names);
   MeshContents contents = ZoneReader(open.library, 1, open.size, refs).read(range);
-  keep_part(range, contents.mesh);
   contents.names = std::move(names);
   contents.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
   return contents;
@@ -545,7 +583,7 @@ PieceRanges read_cgns_piece_ranges(const std::filesystem::path& path, std::span<
   ZoneRefs refs(result.names);
   for (int zone = 1; zone <= open.zones; ++zone) {
     const PieceRange& range = ranges[static_cast<std::size_t>(zone - 1)];
-    MeshContents read = ZoneReader(open.library, zone, open.size, refs).read(range.rows);
+    MeshContents read = ZoneReader(open.library, zone, open.size, refs).read(range.rows, range.others);
     if (zone == 1) read.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
     MeshPiece& piece = result.pieces.emplace_back();
     if (range.others) {

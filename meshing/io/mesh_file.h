@@ -37,8 +37,8 @@ enum class OtherVolumes { refused, dropped };
 std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 
 /// Part of such a file: what `range` says, with indices of the whole mesh, and all names; no fields. Reads
-/// (but of text) and allocates no more; of .vtu and CGNS all triangles and edges meanwhile. Refuses what
-/// read_mesh refuses, as far as it reads it.
+/// (but of text) and allocates no more; of .vtu the types of all cells, and of CGNS one list of a boundary
+/// condition at a time. Refuses what read_mesh refuses, as far as it reads it.
 MeshContents read_mesh_range(const std::filesystem::path& path, const MeshRange& range,
                              OtherVolumes others = OtherVolumes::refused);
 

@@ -64,25 +64,14 @@ void keep_points(const std::vector<std::uint32_t>& numbers, std::vector<std::uin
   for (std::uint32_t& v : points) v = numbers[v];
 }
 
-template <class T>
-void keep_part_of(const MeshRange& range, std::vector<T>& rows) {
-  const auto begin = static_cast<std::ptrdiff_t>(range.part_begin(rows.size()));
-  const auto end = static_cast<std::ptrdiff_t>(range.part_end(rows.size()));
-  rows = std::vector<T>(rows.begin() + begin, rows.begin() + end);
-}
-
 }  // namespace
 
-void keep_part(const MeshRange& range, MeshData& mesh) {
-  if (range.parts == 1) return;
-  keep_part_of(range, mesh.triangles);
-  keep_part_of(range, mesh.triangle_refs);
-  keep_part_of(range, mesh.edges);
-  keep_part_of(range, mesh.edge_refs);
-  keep_part_of_corners(range, mesh);
+void keep_part_of_corners(const MeshRange& range, MeshData& mesh) {
+  std::vector<std::uint32_t>& corners = mesh.corners;
+  const auto begin = static_cast<std::ptrdiff_t>(range.part_begin(corners.size()));
+  const auto end = static_cast<std::ptrdiff_t>(range.part_end(corners.size()));
+  corners = std::vector<std::uint32_t>(corners.begin() + begin, corners.begin() + end);
 }
-
-void keep_part_of_corners(const MeshRange& range, MeshData& mesh) { keep_part_of(range, mesh.corners); }
 
 std::string RefNames::name(int dimension, std::int32_t ref) const {
   const auto found = names_.find({dimension, ref});

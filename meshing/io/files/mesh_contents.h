@@ -1,8 +1,10 @@
 // What a mesh file of any format holds: the mesh, fields, names of references, and an account of the rest.
 #pragma once
 
+#include <algorithm>
 #include <compare>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <set>
 #include <span>
@@ -48,9 +50,11 @@ struct MeshContents {
   void complete();
 };
 
-/// How many points and tets the mesh of a file has.
+/// How many points and tets the mesh of a file has; of the rest where a format says it nowhere in one place,
+/// and readers of ranges have counted it.
 struct MeshSize {
   std::uint64_t points = 0, tets = 0;
+  std::uint64_t triangles = 0, edges = 0, corners = 0;
 };
 
 /// What one of several readers keeps: contiguous ranges of a file's points and tets, counted from 0, and one
@@ -65,10 +69,43 @@ struct MeshRange {
   std::uint64_t part_end(std::uint64_t total) const { return total * (part + 1) / parts; }
 };
 
-/// Leaves of triangles, edges and corners those of the range's part: for formats that are read with all of
-/// them, and have no marks on triangles and edges.
-void keep_part(const MeshRange& range, MeshData& mesh);
-/// Of corners alone.
+/// Which rows of one kind are kept while all of them are passed over.
+class KeptRows {
+ public:
+  /// All of them.
+  KeptRows() = default;
+  KeptRows(const MeshRange& range, std::uint64_t total)
+      : first_(range.part_begin(total)), end_(range.part_end(total)) {}
+  KeptRows(std::uint64_t first, std::uint64_t count)
+      : first_(first), end_(count > kAll - first ? kAll : first + count) {}
+
+  /// The same rows, none of them passed.
+  KeptRows again() const {
+    KeptRows same = *this;
+    same.passed_ = 0;
+    return same;
+  }
+  /// Passes the next row; whether it is kept.
+  bool take() {
+    const std::uint64_t row = passed_++;
+    return row >= first_ && row < end_;
+  }
+  struct Rows {
+    std::uint64_t first = 0, count = 0;  ///< from the next one on
+  };
+  /// Of the next `count`, which are not passed.
+  Rows among(std::uint64_t count) const {
+    const std::uint64_t begin = std::max(first_, passed_), end = std::min(end_, passed_ + count);
+    return begin < end ? Rows{begin - passed_, end - begin} : Rows{};
+  }
+  void pass(std::uint64_t count) { passed_ += count; }
+
+ private:
+  static constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t first_ = 0, end_ = kAll, passed_ = 0;
+};
+
+/// Leaves of corners those of the range's part: for formats that are read with all of them.
 void keep_part_of_corners(const MeshRange& range, MeshData& mesh);
 
 /// The same for writers, who need not own it.

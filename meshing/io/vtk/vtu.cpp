@@ -72,7 +72,8 @@ class PieceReader {
         others_(!range || range->others),
         not_refs_(range ? range->not_refs : not_refs),
         num_points_(document.count(piece, "NumberOfPoints")),
-        num_cells_(document.count(piece, "NumberOfCells")) {}
+        num_cells_(document.count(piece, "NumberOfCells")),
+        tets_(range ? KeptRows(range->rows.first_tet, range->rows.num_tets) : KeptRows()) {}
 
   MeshPiece read(Coordinates wanted = Coordinates::finite) {
     read_points(wanted);
@@ -91,9 +92,19 @@ class PieceReader {
       size.has_ids = size.has_ids || role_of(array) == Role::ids;
     for (std::uint64_t first = 0; first < num_cells_; first += kCellsAtOnce) {
       const Rows rows{first, kCellsAtOnce};
-      size.tets += count_tets(document_.integers(cell_array("types"), num_cells_, rows), ghosts_of(rows));
+      const CellCounts counts =
+          count_cells(document_.integers(cell_array("types"), num_cells_, rows), ghosts_of(rows));
+      size.tets += counts.tets;
+      size.triangles += counts.triangles, size.edges += counts.edges, size.corners += counts.corners;
     }
     return size;
+  }
+
+  /// Of the triangles, edges and corners of a piece of this size, those of the range's part.
+  void keep_part_of(const MeshSize& size) {
+    triangles_ = KeptRows(range_->rows, size.triangles);
+    edges_ = KeptRows(range_->rows, size.edges);
+    corners_ = KeptRows(range_->rows, size.corners);
   }
 
   // When cell data have been looked at:
@@ -205,8 +216,9 @@ class PieceReader {
   void read_block(std::uint64_t first, Rows rows) {
     const std::vector<std::int64_t> types = document_.integers(cell_array("types"), num_cells_, rows);
     const std::vector<std::int64_t> ghosts = ghosts_of(rows);
-    if (range_ && !is_wanted(types, ghosts)) {
-      tets_passed_ += count_tets(types, ghosts);
+    if (range_ && !has_wanted(count_cells(types, ghosts))) {
+      for (std::size_t i = 0; i < types.size(); ++i)
+        if (!is_ghost(ghosts, i) && is_kept(types[i])) drop_cell(types[i]);
       end_ = document_.integers(cell_array("offsets"), num_cells_, {first + types.size() - 1, 1})[0];
       return;
     }
@@ -241,24 +253,37 @@ class PieceReader {
   static bool is_ghost(const std::vector<std::int64_t>& ghosts, std::size_t i) {
     return !ghosts.empty() && (ghosts[i] & 1);
   }
-  static std::uint64_t count_tets(const std::vector<std::int64_t>& types,
-                                  const std::vector<std::int64_t>& ghosts) {
-    std::uint64_t tets = 0;
-    for (std::size_t i = 0; i < types.size(); ++i) tets += types[i] == vtk::kTetra && !is_ghost(ghosts, i);
-    return tets;
+  struct CellCounts {
+    std::uint64_t tets = 0, triangles = 0, edges = 0, corners = 0;
+  };
+  static CellCounts count_cells(const std::vector<std::int64_t>& types,
+                                const std::vector<std::int64_t>& ghosts) {
+    CellCounts counts;
+    for (std::size_t i = 0; i < types.size(); ++i) {
+      if (is_ghost(ghosts, i)) continue;
+      counts.tets += types[i] == vtk::kTetra;
+      counts.triangles += types[i] == vtk::kTriangle;
+      counts.edges += types[i] == vtk::kLine;
+      counts.corners += types[i] == vtk::kVertex;
+    }
+    return counts;
   }
 
-  /// Whether a block has a tet of the range, or any other cell that is wanted.
-  bool is_wanted(const std::vector<std::int64_t>& types, const std::vector<std::int64_t>& ghosts) const {
-    const std::uint64_t last = tets_passed_ + count_tets(types, ghosts);
-    return (tets_passed_ < range_->rows.first_tet + range_->rows.num_tets && last > range_->rows.first_tet) ||
-           (others_ && std::ranges::any_of(types, [](std::int64_t type) { return type != vtk::kTetra; }));
+  /// Whether any of a block's cells that have a place here is kept.
+  bool has_wanted(const CellCounts& block) const {
+    if (tets_.among(block.tets).count > 0) return true;
+    return others_ && triangles_.among(block.triangles).count + edges_.among(block.edges).count +
+                              corners_.among(block.corners).count >
+                          0;
   }
+  /// Passes the next cell, of this type.
   bool is_kept(std::int64_t type) {
-    if (!range_) return true;
-    if (type != vtk::kTetra) return others_;
-    const std::uint64_t tet = tets_passed_++;
-    return tet >= range_->rows.first_tet && tet - range_->rows.first_tet < range_->rows.num_tets;
+    if (type == vtk::kTetra) return tets_.take();
+    if (!others_) return false;
+    if (type == vtk::kTriangle) return triangles_.take();
+    if (type == vtk::kLine) return edges_.take();
+    if (type == vtk::kVertex) return corners_.take();
+    return true;  // to be counted among what is dropped
   }
 
   std::int32_t checked_ref(std::int64_t ref) const {
@@ -399,7 +424,8 @@ class PieceReader {
   std::uint64_t num_points_, num_cells_;
   MeshPiece result_;
   // Of the cells so far:
-  std::uint64_t tets_passed_ = 0, num_nodes_read_ = 0;
+  KeptRows tets_, triangles_, edges_, corners_;
+  std::uint64_t num_nodes_read_ = 0;
   std::int64_t end_ = 0;
   // The cell being read:
   std::size_t cell_ = 0, num_nodes_ = 0;
@@ -457,9 +483,10 @@ std::optional<MeshSize> vtu_size(const std::filesystem::path& path) {
 
 MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& range) {
   const VtkDocument document(path, "UnstructuredGrid");
-  MeshContents contents =
-      PieceReader(document, pieces_of(document)[0], PieceRange{range, true}).read().contents;
-  keep_part(range, contents.mesh);
+  const pugi::xml_node piece = pieces_of(document)[0];
+  PieceReader reader(document, piece, PieceRange{range, true});
+  if (range.parts > 1) reader.keep_part_of(PieceReader(document, piece).size());
+  MeshContents contents = reader.read().contents;
   contents.fields.num_points = range.num_points;
   return contents;
 }

@@ -104,13 +104,14 @@ TEST(MeshRange, OfUgridNamesTheRowOfTheWholeFile) {
 
 TEST(MeshRange, OfTrianglesNamesTheRowOfTheWholeFile) {
   const TemporaryDirectory directory;
-  for (const char* name : {"m.lb8.ugrid", "m.meshb", "m.mesh", "m.msh"}) {
+  for (const char* name : {"m.lb8.ugrid", "m.meshb", "m.mesh", "m.msh", "m.vtu", "m.cgns"}) {
+    SCOPED_TRACE(name);
     const fs::path path = directory / name;
     MeshContents box = named_box();
     const auto last = box.mesh.triangles.size() - 1;
     box.mesh.triangles[last][2] = 1000;
     write_mesh_contents(path, box);
-    EXPECT_NO_THROW(read_mesh_range(path, {0, 10, 0, 20, 0, 2})) << name;
+    EXPECT_NO_THROW(read_mesh_range(path, {0, 10, 0, 20, 0, 2}));
     EXPECT_EQ(message_of([&] {
                 read_mesh_range(path, {0, 10, 0, 20, 1, 2});
               }),
@@ -179,6 +180,39 @@ TEST(MeshRange, OfVtuIsReadHoweverItIsEncoded) {
       EXPECT_EQ(low.fields[f].name, whole.fields.fields[f].name);
     }
   }
+}
+
+/// Names of boundary conditions take the place of sections', whoever reads which triangles.
+TEST(MeshRange, OfCgnsHasTheNamesOfTheWholeFile) {
+  const fs::path path = sample("cgns-mixed.cgns");
+  const MeshContents whole = read_mesh_contents(path);
+  for (const std::uint64_t parts : {1u, 2u, 5u, 13u}) {
+    const MeshContents read = read_in_parts(path, parts);
+    expect_equal(read.mesh, whole.mesh);
+    EXPECT_EQ(read.names.all(), whole.names.all());
+  }
+}
+
+/// Blocks of cells none of which a reader keeps are passed over, but for what the file's account says.
+TEST(MeshRange, OfVtuTellsAllThatIsDropped) {
+  const TemporaryDirectory directory;
+  const fs::path path = directory / "m.vtu";
+  WriteOptions ascii;
+  ascii.encoding = WriteOptions::Encoding::ascii;
+  write_mesh_contents(path, named_box(), ascii);
+  std::string bytes = bytes_of(path);
+  const std::size_t types = bytes.find(">", bytes.find("Name=\"types\"")),
+                    last = bytes.rfind('5', bytes.find("</", types));
+  bytes[last] = '7';  // a triangle becomes a polygon
+  put_bytes(path, bytes);
+  const MeshContents whole = read_mesh_contents(path);
+  ASSERT_EQ(whole.dropped.size(), 1u);
+  EXPECT_EQ(whole.mesh.triangles.size(), named_box().mesh.triangles.size() - 1);
+  expect_equal(read_in_parts(path, 4).mesh, whole.mesh);
+  const MeshContents first = read_mesh_range(path, {0, 1, 0, 0, 0, 100});
+  ASSERT_EQ(first.dropped.size(), 1u);
+  EXPECT_EQ(first.dropped[0].what, whole.dropped[0].what);
+  EXPECT_EQ(first.dropped[0].count, 1u);
 }
 
 TEST(MeshRange, IsNotReadOfTextOrOlderVersionsOfMsh) {
