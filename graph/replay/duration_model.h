@@ -20,9 +20,9 @@ engine::TimePoint within_limits(double nanoseconds);
 
 /// One of `of` equal parts of a recorded instance.
 struct Part {
-  std::uint32_t of = 1;
-  std::uint32_t hard_ones = 1;  ///< so many of them have what is hard of the whole
-  bool is_hard = true;          ///< this one has
+  std::uint32_t of;
+  std::uint32_t hard_ones;  ///< so many of them have what is hard of the whole
+  bool is_hard;             ///< this one has
 };
 
 /// Bootstrapped. An instance that is no part of a recorded one takes in a run what one of the same node and

@@ -70,15 +70,13 @@ class ZoneReader {
   /// Points, tets and the part of the range only, and no fields.
   /// Without `others` no triangles and edges, of which the names are known none the less.
   MeshContents read(const MeshRange& range, bool others = true) {
+    read_size();
     if (!others) {
       kept_triangles_ = kept_edges_ = KeptRows(0, 0);
-      read_size();
     } else if (range.parts > 1) {
-      const PieceSize all = size();
+      const MeshSize all = range.whole ? *range.whole : size();
       kept_triangles_ = KeptRows(range, all.triangles);
       kept_edges_ = KeptRows(range, all.edges);
-    } else {
-      read_size();
     }
     range_ = range;
     kept_tets_ = KeptRows(range.first_tet, range.num_tets);

@@ -14,9 +14,6 @@ namespace weft::meshing::cgns {
 /// one name and consecutive elements.
 class TriangleNames {
  public:
-  /// Of all triangles that there are.
-  std::uint64_t size() const { return size_; }
-
   /// The next triangles, which are the elements from `element` on.
   void add(std::int64_t element, std::uint64_t count, std::uint32_t name) {
     if (count == 0) return;

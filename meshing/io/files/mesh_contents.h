@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -63,6 +64,7 @@ struct MeshRange {
   std::uint64_t first_point = 0, num_points = 0;
   std::uint64_t first_tet = 0, num_tets = 0;
   std::uint64_t part = 0, parts = 1;
+  std::optional<MeshSize> whole = {};  ///< what the file has; else readers that need it count once more
 
   /// Of `total` rows that are dealt in parts, those of this one.
   std::uint64_t part_begin(std::uint64_t total) const { return total * part / parts; }

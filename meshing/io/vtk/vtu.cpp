@@ -485,7 +485,7 @@ MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& 
   const VtkDocument document(path, "UnstructuredGrid");
   const pugi::xml_node piece = pieces_of(document)[0];
   PieceReader reader(document, piece, PieceRange{range, true});
-  if (range.parts > 1) reader.keep_part_of(PieceReader(document, piece).size());
+  if (range.parts > 1) reader.keep_part_of(range.whole ? *range.whole : PieceReader(document, piece).size());
   MeshContents contents = reader.read().contents;
   contents.fields.num_points = range.num_points;
   return contents;

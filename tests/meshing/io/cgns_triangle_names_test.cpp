@@ -17,7 +17,6 @@ struct Named {
 };
 
 void expect_same(const TriangleNames& names, const std::vector<Named>& expected) {
-  ASSERT_EQ(names.size(), expected.size());
   std::uint64_t next = 0;
   names.for_each_run([&](std::uint64_t begin, std::uint64_t end, std::uint32_t name) {
     EXPECT_EQ(begin, next);
@@ -57,7 +56,7 @@ TEST(CgnsTriangleNames, OfElementsThatNoFileHasAreNone) {
   constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max(), least = -most - 1;
   TriangleNames names;
   names.rename(least, most, 7);
-  EXPECT_EQ(names.size(), 0u);
+  expect_same(names, {});
   names = {};
   names.add(most - 3, 4, 1);
   names.rename(most - 1, most, 2);

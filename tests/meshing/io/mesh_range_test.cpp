@@ -32,15 +32,16 @@ void append(std::vector<T>& all, const std::vector<T>& part) {
   all.insert(all.end(), part.begin(), part.end());
 }
 
-/// The file in `parts` ranges.
+/// The file in `parts` ranges, some of which are told what the whole has.
 MeshContents read_in_parts(const fs::path& path, std::uint64_t parts) {
   const std::optional<MeshSize> size = size_for_ranges(path);
   if (!size) throw std::logic_error("no ranges of " + path.string());
   MeshContents all;
   for (std::uint64_t p = 0; p < parts; ++p) {
     const std::uint64_t point = size->points * p / parts, tet = size->tets * p / parts;
-    const MeshContents part = read_mesh_range(path, {point, size->points * (p + 1) / parts - point, tet,
-                                                     size->tets * (p + 1) / parts - tet, p, parts});
+    const MeshContents part = read_mesh_range(
+        path, {point, size->points * (p + 1) / parts - point, tet, size->tets * (p + 1) / parts - tet, p,
+               parts, p % 2 == 0 ? size : std::nullopt});
     const MeshData& mesh = part.mesh;
     append(all.mesh.points, mesh.points), append(all.mesh.point_refs, mesh.point_refs);
     append(all.mesh.tets, mesh.tets), append(all.mesh.tet_refs, mesh.tet_refs);

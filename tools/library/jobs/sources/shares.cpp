@@ -32,7 +32,7 @@ MeshSlice slice_of_file(const Peers& peers, const std::string& file, const meshi
   meshing::MeshContents part = meshing::read_mesh_range(
       file,
       {points.first, points.count, tets.first, tets.count, static_cast<std::uint64_t>(peers.rank()),
-       static_cast<std::uint64_t>(peers.ranks())},
+       static_cast<std::uint64_t>(peers.ranks()), size},
       others);
   MeshSlice slice;
   slice.num_points = size.points;
