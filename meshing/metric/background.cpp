@@ -121,24 +121,52 @@ Point Background::closest_in(std::uint32_t tet, const Point& p) const {
   return closest;
 }
 
-std::uint32_t Background::search_everywhere(const Point& p) const {
-  constexpr std::ptrdiff_t kTetsOfLeaf = 16;  // few points are searched for so, and the tets are many
-  std::call_once(tree_built_, [&] {
-    std::vector<ClosestForest::Item> items;
-    std::size_t tets = 0;
-    for (const BackgroundBlock& block : blocks_) tets += block.num_tets;
-    items.reserve(tets);
-    for (std::uint32_t b = 0; b < blocks_.size(); ++b)
-      for (std::uint32_t t = 0; t < blocks_[b].num_tets; ++t) {
-        ClosestForest::Item& item = items.emplace_back();
-        item.id = (b << bits_) + t;
-        const Corners corner = corners(item.id);
-        for (std::size_t i = 0; i < 4; ++i) item.box.include(corner[i]);
-      }
-    tree_ = std::make_unique<ClosestForest>();
-    tree_->add(items, kTetsOfLeaf);
+Box Background::box_of(std::uint32_t tet) const {
+  Box box;
+  const Corners corner = corners(tet);
+  for (std::size_t i = 0; i < 4; ++i) box.include(corner[i]);
+  return box;
+}
+
+const ClosestForest& Background::tree_of_blocks() const {
+  std::call_once(blocks_tree_.built, [&] {
+    trees_ = std::make_unique<Tree[]>(blocks_.size());
+    std::vector<ClosestForest::Item> items(blocks_.size());
+    for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
+      items[b].id = b;
+      for (std::uint32_t t = 0; t < blocks_[b].num_tets; ++t) items[b].box.unite(box_of((b << bits_) + t));
+    }
+    blocks_tree_.forest.add(items);
   });
-  return tree_->closest(0, p, [&](std::uint32_t t) { return norm2(p - closest_in(t, p)); });
+  return blocks_tree_.forest;
+}
+
+const ClosestForest& Background::tree_of(std::uint32_t block) const {
+  constexpr std::ptrdiff_t kTetsOfLeaf = 16;  // few points are searched for so, and the tets are many
+  Tree& tree = trees_[block];
+  std::call_once(tree.built, [&] {
+    std::vector<ClosestForest::Item> items(blocks_[block].num_tets);
+    for (std::uint32_t t = 0; t < items.size(); ++t) {
+      items[t].id = (block << bits_) + t;
+      items[t].box = box_of(items[t].id);
+    }
+    tree.forest.add(items, kTetsOfLeaf);
+  });
+  return tree.forest;
+}
+
+std::uint32_t Background::search_everywhere(const Point& p) const {
+  std::uint32_t closest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](std::uint32_t tet) {
+    const double distance2 = norm2(p - closest_in(tet, p));
+    if (distance2 >= least) return;
+    least = distance2;
+    closest = tet;
+  };
+  tree_of_blocks().visit_within(
+      0, p, least, [&](std::uint32_t block) { tree_of(block).visit_within(0, p, least, look_at); });
+  return closest;
 }
 
 /// The walk has ended at the boundary in `tet`. Within half a unit length the metric hardly changes; farther

@@ -90,6 +90,7 @@ class Background {
   Barycentric barycentric_in_flat(std::uint32_t tet, const Point& p) const;
   bool walk(const Point& p, std::uint32_t& tet, Barycentric& l) const;
   Point closest_in(std::uint32_t tet, const Point& p) const;
+  Box box_of(std::uint32_t tet) const;
   std::uint32_t search_everywhere(const Point& p) const;
   Sample outside(const Point& p, std::uint32_t tet) const;
   LogMetric interpolate(std::uint32_t tet, const Barycentric& l) const;
@@ -98,9 +99,16 @@ class Background {
   int bits_ = 31;        ///< of a tet's number in its block
   std::uint32_t mask_ = 0x7FFFFFFFu;
   std::vector<BackgroundBlock> blocks_;
-  // Built when a walk first ends at the boundary too far from its point: many backgrounds never need it.
-  mutable std::once_flag tree_built_;
-  mutable std::unique_ptr<ClosestForest> tree_;
+  // Built when walks end at the boundary too far from their points: the tree of all blocks by the first, that
+  // of a block's tets by the first whose closest tet may be there. Few walks do, near few blocks.
+  struct Tree {
+    std::once_flag built;
+    ClosestForest forest;
+  };
+  const ClosestForest& tree_of_blocks() const;
+  const ClosestForest& tree_of(std::uint32_t block) const;
+  mutable Tree blocks_tree_;
+  mutable std::unique_ptr<Tree[]> trees_;  ///< by block, made with the tree of all
 };
 
 }  // namespace weft::meshing

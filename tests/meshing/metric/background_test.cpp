@@ -152,6 +152,76 @@ TEST(Background, AcrossTheGapOfAThinBodyItReadsItsOwnSide) {
   }
 }
 
+/// A mesh cut into blocks of tets that follow each other, as a subdomain has them.
+class Blocks {
+ public:
+  Blocks(const MeshData& mesh, std::span<const LogMetric> field, std::size_t tets_of_block)
+      : mesh_(mesh), adjacency_(build_adjacency(mesh.tets, mesh.points.size())) {
+    for (std::size_t first = 0; first < mesh.tets.size(); first += tets_of_block)
+      add(field, first, std::min(first + tets_of_block, mesh.tets.size()), tets_of_block);
+  }
+  Background background() const {
+    std::vector<BackgroundBlock> blocks;
+    for (const Data& d : data_) {
+      blocks.push_back(d.block);
+      blocks.back().neighbours = d.neighbours.data();
+      blocks.back().across = d.across.data();
+    }
+    return Background(std::move(blocks));
+  }
+
+ private:
+  struct Data {
+    BackgroundBlock block;
+    std::vector<std::array<std::uint32_t, 4>> neighbours;
+    std::vector<std::uint32_t> across;
+  };
+  void add(std::span<const LogMetric> field, std::size_t first, std::size_t end, std::size_t tets_of_block) {
+    Data& d = data_.emplace_back();
+    d.block.points = mesh_.points.data();
+    d.block.log_metrics = field.data();
+    d.block.tets = mesh_.tets.data() + first;
+    d.block.num_tets = static_cast<std::uint32_t>(end - first);
+    for (std::size_t t = first; t < end; ++t) {
+      auto& sides = d.neighbours.emplace_back();
+      for (std::size_t f = 0; f < 4; ++f) {
+        const std::uint32_t n = adjacency_.neighbours[t][f];
+        const std::size_t tet = n >> 2;
+        if (n != kNoNeighbour && first <= tet && tet < end) {
+          sides[f] = n - static_cast<std::uint32_t>(first << 2);
+          continue;
+        }
+        sides[f] = BackgroundBlock::kOpen | static_cast<std::uint32_t>(d.across.size());
+        const std::size_t number = tet / tets_of_block * BackgroundBlock::kMostTets + tet % tets_of_block;
+        d.across.push_back(n == kNoNeighbour ? n : static_cast<std::uint32_t>(number << 2) | (n & 3));
+      }
+    }
+  }
+
+  const MeshData& mesh_;
+  Adjacency adjacency_;
+  std::vector<Data> data_;
+};
+
+/// Sizes of .05 ask for a search outside, in whatever block a walk ends.
+TEST(Background, InBlocksReadsWhatTheWholeMeshHas) {
+  for (const double gap : {0.01, 0.5}) {
+    const MeshData mesh = two_boxes(gap);
+    const auto field =
+        sampled(mesh, [](const Point& p) { return identity_tensor(-2 * std::log(0.05)) + 0.1 * linear(p); });
+    const Background whole(mesh, field, build_adjacency(mesh.tets, mesh.points.size()));
+    for (const std::size_t tets_of_block : {1, 7, 100, 500}) {
+      const Blocks cut(mesh, field, tets_of_block);
+      const Background blocks = cut.background();
+      for (const Point& p : random_points(300, -1, 3, 5))
+        EXPECT_LT(distance(blocks.at(p, Background::kNoHint).log_metric,
+                           whole.at(p, Background::kNoHint).log_metric),
+                  1e-9)
+            << tets_of_block << " tets a block, gap " << gap << ", at " << p.x << " " << p.y << " " << p.z;
+    }
+  }
+}
+
 TEST(Background, OfOneTetServesAllSpace) {
   const MeshData mesh = support::regular_tet();
   const auto field = sampled(mesh, linear);
