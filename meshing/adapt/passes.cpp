@@ -281,6 +281,18 @@ bool on_boundary(const TetMesh& mesh, const TetVertices& v) {
          1;
 }
 
+/// Whether edges are split to the wanted lengths now, not to those of a coarser level.
+bool is_finest(const Limits& limits) { return limits.long_edge <= limits.finest_long_edge; }
+
+/// What is refused from one tet of an edge is refused from all of them, until something there changes.
+void remember_refused(Worker& w, VertexId a, VertexId b) {
+  if (w.shell.a != a || w.shell.b != b) return;
+  for (int i = 0; i < w.shell.size; ++i) {
+    const auto& tet = w.shell.tets[i];
+    w.mesh.set_refused_edge(tet.tet, kEdgeOf[tet.a][tet.b]);
+  }
+}
+
 /// Tries the edges beyond the level's limit, longest first.
 Verdict split_beyond_limit(Worker& w, TetId t, const TetVertices& v) {
   const Limits& limits = w.kernel.limits;
@@ -288,19 +300,22 @@ Verdict split_beyond_limit(Worker& w, TetId t, const TetVertices& v) {
   Verdict r = Verdict::not_needed;
   for (int i = found.size - 1; i >= 0; --i) {
     const auto& [edge, length] = found.edges[i];
+    if (edge == w.mesh.refused_edge(t)) continue;
     const auto& e = kTetEdges[edge];
     // What is round an edge far too long would protect it for ever: vertices that crowd there, with which the
     // new one may merge later; needles, of which shorter ones must be made before anything can be mended. On
-    // the boundary, needles keep fine parts of it from being given up at coarse levels.
+    // the boundary, needles keep fine parts of it from being given up at coarse levels: only the last one
+    // makes them there.
     SplitBounds bounds{limits.split_shortest};
     if (length > 2 * limits.long_edge) {
       bounds.shortest *= 0.1;
       const auto inside = [&](VertexId u) { return w.mesh.kind(u) == VertexKind::interior; };
-      if (inside(v[e[0]]) && inside(v[e[1]])) bounds.quality_share = 0.1;
+      if (is_finest(limits) || (inside(v[e[0]]) && inside(v[e[1]]))) bounds.quality_share = 0.1;
     }
     r = split_edge(w, t, v[e[0]], v[e[1]], bounds);
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::split, r);
+    remember_refused(w, v[e[0]], v[e[1]]);
   }
   return r;
 }
@@ -313,8 +328,8 @@ Verdict split_longest(Worker& w, TetId t) {
   if (boundary)
     if (const Verdict r = split_curved(w, t, v); r != Verdict::not_needed) return done(w, Operator::split, r);
   const Verdict r = split_beyond_limit(w, t, v);
-  const bool finest = limits.long_edge <= limits.finest_long_edge;
-  if (r != Verdict::accepted && !finest && (boundary || has_edge_above(limits.finest_long_edge, w.mesh, v)))
+  if (r != Verdict::accepted && !is_finest(limits) &&
+      (boundary || has_edge_above(limits.finest_long_edge, w.mesh, v)))
     w.mesh.mark(t, kLongLater);
   if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict)
     return done(w, Operator::split, r);

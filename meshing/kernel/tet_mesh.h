@@ -36,14 +36,16 @@ struct TetFace {
 using TetVertices = std::array<VertexId, 4>;
 
 /// Work marks: what has to be looked at again. Set by whoever changes something, cleared by the sweep.
-/// kLongLater: has an edge to be split at a finer level. kFresh: not yet examined.
+/// kLongLater: has an edge to be split at a finer level. kFresh: not yet examined. kRefusedEdge: three bits,
+/// see TetMesh::refused_edge.
 enum TetMark : std::uint8_t {
   kCheckLong = 1,
   kCheckSwap = 2,
   kCheckPoor = 4,
   kAllTetMarks = 7,
   kLongLater = 8,
-  kFresh = 16
+  kFresh = 16,
+  kRefusedEdge = 32 + 64 + 128
 };
 /// kHasShort remembers a short edge that could not be collapsed: it is tried again when something around it
 /// changes. kStuck: neither a better place nor a collapse improves the worst tet of its ball, until something
@@ -142,9 +144,19 @@ class TetMesh {
   float quality(TetId t) const { return load(quality_[t.value]); }
   void set_quality(TetId t, float q) { store(quality_[t.value], q); }
   std::uint8_t marks(TetId t) const { return load(marks_[t.value]); }
-  void mark(TetId t, std::uint8_t m) { set_bits(marks_[t.value], m); }
+  void mark(TetId t, std::uint8_t m) {
+    if (m & kCheckLong) take_bits(marks_[t.value], kRefusedEdge);
+    set_bits(marks_[t.value], m);
+  }
   /// Removes marks and says which of them were there.
   std::uint8_t take_marks(TetId t, std::uint8_t m) { return take_bits(marks_[t.value], m); }
+  /// The edge whose split was refused last, from whichever of its tets, with all around it as it is now; -1
+  /// for none. A mark kCheckLong ends it.
+  int refused_edge(TetId t) const { return (marks(t) >> kRefusedEdgeShift) - 1; }
+  void set_refused_edge(TetId t, int edge) {
+    take_bits(marks_[t.value], kRefusedEdge);
+    set_bits(marks_[t.value], static_cast<std::uint8_t>((edge + 1) << kRefusedEdgeShift));
+  }
 
   // --- vertices ---
   bool alive(VertexId v) const { return load(vertices_[v.value].tet) != 0; }
@@ -254,6 +266,7 @@ class TetMesh {
     LogMetric log_metric;
   };
   static_assert(sizeof(Vertex) == 128);
+  static constexpr int kRefusedEdgeShift = 5;
   template <class T>
   static T load(const T& x) {
     return std::atomic_ref(const_cast<T&>(x)).load(std::memory_order_relaxed);

@@ -137,6 +137,24 @@ TEST(TetMesh, MarksAreTakenOnceAndOneByOne) {
   EXPECT_EQ(mesh.marks(TetId(1)), 0);
 }
 
+TEST(TetMesh, ARefusedEdgeIsRememberedUntilTheTetIsToBeLookedAt) {
+  KernelRig rig(support::two_tets());
+  TetMesh& mesh = rig.mesh;
+  EXPECT_EQ(mesh.refused_edge(TetId(0)), -1);
+  mesh.mark(TetId(0), kCheckLong | kFresh);
+  for (const int edge : {5, 0, 3}) {
+    mesh.set_refused_edge(TetId(0), edge);
+    EXPECT_EQ(mesh.refused_edge(TetId(0)), edge);
+    EXPECT_EQ(mesh.take_marks(TetId(0), kCheckLong), edge == 5 ? kCheckLong : 0);
+  }
+  mesh.mark(TetId(0), kCheckSwap | kCheckPoor);
+  EXPECT_EQ(mesh.refused_edge(TetId(0)), 3);
+  mesh.mark(TetId(0), kAllTetMarks);
+  EXPECT_EQ(mesh.refused_edge(TetId(0)), -1);
+  EXPECT_EQ(mesh.marks(TetId(0)), kAllTetMarks | kFresh);
+  EXPECT_EQ(mesh.refused_edge(TetId(1)), -1);
+}
+
 TEST(TetMesh, FeatureEdgesAreFoundFromBothEnds) {
   TetMesh mesh(10, 10);
   mesh.set_kind(VertexId(2), VertexKind::corner);
