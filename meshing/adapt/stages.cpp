@@ -336,7 +336,7 @@ class Adaptation {
 
   /// Needles that a coarse level leaves are refined by all later ones into a heap that nothing mends any
   /// more; among the few tets of that level it is quickly mended. The delta wing's mesh of 326 tets to the
-  /// Mach number: in 8 of 14 complexities from 5,000 to 45,000 there was a heap, Q min .01 to .2 and up to
+  /// Mach number: in 7 of 12 complexities from 5,000 to 45,000 there was a heap, Q min .01 to .2 and up to
   /// four times the time; now in none.
   void mend_while_few() {
     constexpr double kFew = 1.0 / 32, kMostPoor = 0.05;  // of the wanted tets; of those there are
