@@ -284,12 +284,12 @@ bool on_boundary(const TetMesh& mesh, const TetVertices& v) {
 /// Whether edges are split to the wanted lengths now, not to those of a coarser level.
 bool is_finest(const Limits& limits) { return limits.long_edge <= limits.finest_long_edge; }
 
-/// What is refused from one tet of an edge is refused from all of them, until something there changes.
-void remember_refused(Worker& w, VertexId a, VertexId b) {
-  if (w.shell.a != a || w.shell.b != b) return;
+/// What is refused from one tet of the gathered shell is refused from all of them, until something there
+/// changes.
+void remember_refused(Worker& w) {
   for (int i = 0; i < w.shell.size; ++i) {
-    const auto& tet = w.shell.tets[i];
-    w.mesh.set_refused_edge(tet.tet, kEdgeOf[tet.a][tet.b]);
+    const Shell::Entry& e = w.shell.tets[i];
+    w.mesh.set_refused_edge(e.tet, kEdgeOf[e.a][e.b]);
   }
 }
 
@@ -315,7 +315,7 @@ Verdict split_beyond_limit(Worker& w, TetId t, const TetVertices& v) {
     r = split_edge(w, t, v[e[0]], v[e[1]], bounds);
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::split, r);
-    remember_refused(w, v[e[0]], v[e[1]]);
+    remember_refused(w);
   }
   return r;
 }

@@ -24,6 +24,7 @@
 #include "meshing/metric/measures.h"
 #include "meshing/metric/metric_field.h"
 #include "meshing/operators/collapse_edge.h"
+#include "tests/support/case_files.h"
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 #include "tests/support/repetitions.h"
@@ -31,6 +32,7 @@
 namespace weft::meshing::adapt_test {
 namespace {
 
+using support::case_files;
 using support::expect_same_domain;
 using support::KernelRig;
 using support::uniform_metric;
@@ -911,11 +913,6 @@ CaseMesh case_mesh(const std::filesystem::path& mesh_file, std::filesystem::path
   CaseMesh c{read_mesh(mesh_file), {}};
   c.metric = metric_from_solution(read_solution(metric_file), c.mesh.points.size(), metric_file.string());
   return c;
-}
-
-std::filesystem::path case_files() {
-  const char* given = std::getenv("WEFT_CASES");
-  return given ? given : WEFT_CASES;
 }
 
 TEST(AdaptCases, CubePolar2ReachesItsFloors) {

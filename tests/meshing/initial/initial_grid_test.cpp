@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <random>
@@ -17,6 +16,7 @@
 #include "meshing/io/mesh_file.h"
 #include "meshing/mesh/check_mesh.h"
 #include "tests/meshing/initial/initial_support.h"
+#include "tests/support/case_files.h"
 
 namespace weft::meshing::initial_grid_test {
 namespace {
@@ -109,8 +109,7 @@ TEST(InitialGrid, OfBoxesInRandomNeedles) {
 }
 
 TEST(InitialGridCases, OfTheDeltaWingsSurfaceWithItsBoundaryLayers) {
-  const char* given = std::getenv("WEFT_CASES");
-  const auto start = std::filesystem::path(given ? given : WEFT_CASES) / "delta-wing" / "start.meshb";
+  const auto start = support::case_files() / "delta-wing" / "start.meshb";
   if (!std::filesystem::exists(start)) GTEST_SKIP() << "NOT TESTED: no " << start << " (set WEFT_CASES)";
   const MeshData surface = read_mesh(start.string());
   EXPECT_NEAR(volume(grid_of(surface)), std::abs(enclosed_volume(surface)), 1e-6);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <random>
@@ -15,6 +14,7 @@
 #include "meshing/io/mesh_file.h"
 #include "meshing/metric/measures.h"
 #include "meshing/metric/metric_limits.h"
+#include "tests/support/case_files.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing::multiscale_test {
@@ -150,8 +150,7 @@ double median(std::vector<double> values) {
 }
 
 TEST(MultiscaleCases, AgreesWithRefineOnTheDeltaWing) {
-  const char* given = std::getenv("WEFT_CASES");
-  const std::filesystem::path folder = std::filesystem::path(given ? given : WEFT_CASES) / "delta-wing";
+  const std::filesystem::path folder = support::case_files() / "delta-wing";
   if (!std::filesystem::exists(folder / "start-mach.solb"))
     GTEST_SKIP() << "NOT TESTED: the case files are not at " << folder << " (set WEFT_CASES to their folder)";
   const MeshData mesh = read_mesh(folder / "start.meshb");

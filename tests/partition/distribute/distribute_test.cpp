@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -24,6 +23,7 @@
 #include "tests/partition/communication/counting_peers.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/metric_meshes.h"
+#include "tests/support/case_files.h"
 #include "tests/support/kernel.h"
 #include "tests/support/repetitions.h"
 
@@ -377,8 +377,7 @@ TEST(DistributeSmall, MeshesMayHaveFewerTetsThanRanks) {
 }
 
 TEST(DistributeCases, KeepTheirGeometry) {
-  const char* given = std::getenv("WEFT_CASES");
-  const std::filesystem::path folder = given ? given : WEFT_CASES;
+  const std::filesystem::path folder = support::case_files();
   if (!std::filesystem::exists(folder))
     GTEST_SKIP() << "NOT TESTED: the case files are not at " << folder << " (set WEFT_CASES to their folder)";
   for (const char* name : {"delta-wing/coarse.meshb", "ugawg/cube-cylinder.meshb", "ugawg/cone-cone.meshb"}) {
