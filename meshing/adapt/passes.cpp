@@ -410,12 +410,29 @@ Verdict split_any(Worker& w, TetId t) {
   return Verdict::worsens_quality;
 }
 
+/// Puts a vertex among the tets round an inner edge, where they are best: of a tet whose other vertices lie
+/// on the boundary, on which none can be moved or given up, that is all that helps.
+Verdict insert_any(Worker& w, TetId t) {
+  constexpr double kShortest = 0.35;
+  if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::split, r);
+  const TetVertices v = w.mesh.vertices(t);
+  for (const auto& e : kTetEdges) {
+    const Verdict r =
+        split_edge(w, t, v[e[0]], v[e[1]], {.shortest = kShortest, .must_improve = true, .at_best = true});
+    if (r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::split, r);
+    w.counts.add(Operator::split, r);
+  }
+  w.claims.release();
+  return Verdict::worsens_quality;
+}
+
 Verdict improve(Worker& w, TetId t, double quality) {
   if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
   const AllowedOperations& may = w.kernel.policy.allowed;
   for (const auto& [allowed, operation] :
        {std::pair(may.swap, &swap_any), std::pair(may.move, &relocate_any),
-        std::pair(may.insert, &collapse_any), std::pair(may.insert, &split_any)}) {
+        std::pair(may.insert, &collapse_any), std::pair(may.insert, &split_any),
+        std::pair(may.insert, &insert_any)}) {
     if (!allowed) continue;
     if (const Verdict r = operation(w, t); r == Verdict::accepted || r == Verdict::conflict) return r;
   }

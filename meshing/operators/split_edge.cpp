@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "meshing/operators/best_place.h"
 #include "meshing/operators/check_cavity.h"
 
 namespace weft::meshing {
@@ -44,6 +45,27 @@ NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on, bo
   return n;
 }
 
+/// Moves the vertex of an inner edge, whose shell is gathered, to where the worst of its tets is best. False
+/// where it is there already.
+bool move_to_best(Worker& w, NewVertex& n) {
+  // Each tet of the shell leaves two: with the new vertex for one end, and for the other.
+  const Shell& shell = w.shell;
+  w.ball.tets.clear();
+  w.ball.tets.make_room(2 * static_cast<std::size_t>(shell.size));
+  for (int i = 0; i < shell.size; ++i)
+    for (const int end : {shell.tets[i].a, shell.tets[i].b})
+      w.ball.tets.push_if(true, {shell.tets[i].tet, end});
+  w.faces.gather(w.mean(), w.mesh, w.ball);
+  const auto x = best_place(w.faces, n.x, n.metric, judge_tensor(w.mean(), n.metric, n.log_metric));
+  if (!x) return false;
+  n.x = *x;
+  const Background::Sample sample = w.kernel.background.at(n.x, n.background_hint);
+  n.log_metric = sample.log_metric;
+  n.metric = exp_fast(n.log_metric);
+  n.background_hint = sample.tet;
+  return true;
+}
+
 /// What a split does: every tet of the shell becomes two.
 struct SplitPlan {
   const Shell& shell;
@@ -52,19 +74,27 @@ struct SplitPlan {
   std::span<const Neighbour> short_edges;  ///< new ones at the vertex
 };
 
-/// The ring's vertices that the new one is near to, for `plan`.
-Verdict judge_lengths(Worker& w, double shortest, SplitPlan& plan) {
+/// The vertices of the ring that the new one is near to, for `plan`. One that is put where it is best may be
+/// near the edge's ends as well, and is wanted though its edges are short.
+Verdict judge_lengths(Worker& w, const SplitBounds& bounds, SplitPlan& plan) {
   const TetMesh& mesh = w.mesh;
   const NewVertex& n = plan.vertex;
+  const Shell& shell = plan.shell;
   w.short_edges.clear();
-  const int ring_size = plan.shell.closed ? plan.shell.size : plan.shell.size + 1;
-  for (int i = 0; i < ring_size; ++i) {
-    const VertexId r = plan.shell.ring[i];
-    const Vec e = mesh.point(r) - n.x;
-    const MetricLength length{squared_length(mesh.metric(r), e), squared_length(n.metric, e)};
-    if (length.below(shortest)) return Verdict::too_short;
-    if (length.below(w.kernel.limits.short_edge)) w.short_edges.push_back({r, length.value()});
-  }
+  const auto judge_to = [&](VertexId v) {
+    const Vec e = mesh.point(v) - n.x;
+    const MetricLength length{squared_length(mesh.metric(v), e), squared_length(n.metric, e)};
+    if (length.below(bounds.shortest)) return Verdict::too_short;
+    if (!bounds.at_best && length.below(w.kernel.limits.short_edge))
+      w.short_edges.push_back({v, length.value()});
+    return Verdict::accepted;
+  };
+  const int ring_size = shell.closed ? shell.size : shell.size + 1;
+  for (int i = 0; i < ring_size; ++i)
+    if (const Verdict r = judge_to(shell.ring[i]); r != Verdict::accepted) return r;
+  if (bounds.at_best)
+    for (const VertexId end : {shell.a, shell.b})
+      if (const Verdict r = judge_to(end); r != Verdict::accepted) return r;
   plan.short_edges = w.short_edges;
   return Verdict::accepted;
 }
@@ -112,7 +142,7 @@ bool bends_surface(const Worker& w, const SplitPlan& plan) {
 
 /// Accepted: `plan` is complete.
 Verdict judge(Worker& w, const SplitBounds& bounds, SplitPlan& plan) {
-  if (const Verdict r = judge_lengths(w, bounds.shortest, plan); r != Verdict::accepted) return r;
+  if (const Verdict r = judge_lengths(w, bounds, plan); r != Verdict::accepted) return r;
   if (!plan.shell.closed && bends_surface(w, plan)) return Verdict::leaves_surface;
   double worst_before = 1;
   for (int i = 0; i < plan.shell.size; ++i)
@@ -229,7 +259,8 @@ Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds
   if (incomplete(w.mesh, w.shell)) return Verdict::frozen;
   const EdgeClass on = classify(w.mesh, w.shell);
   if (on.curve.valid() && w.kernel.surface.curves()[on.curve.value].required) return Verdict::required;
-  const NewVertex n = place(w, a, b, on, bounds.on_chord);
+  NewVertex n = place(w, a, b, on, bounds.on_chord);
+  if (bounds.at_best && (on.kind != VertexKind::interior || !move_to_best(w, n))) return Verdict::not_needed;
   SplitPlan plan{w.shell, n, {}, {}};
   if (const Verdict r = judge(w, bounds, plan); r != Verdict::accepted) return r;
   if (!w.secure(static_cast<std::size_t>(w.shell.size), 1)) return Verdict::too_large;

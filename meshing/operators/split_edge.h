@@ -19,6 +19,7 @@ struct SplitBounds {
   double keep_share = 0.8;
   double quality_share = 1;
   bool must_improve = false;  ///< instead, all new tets are better than the worst before
+  bool at_best = false;       ///< the new vertex of an inner edge goes where its tets are best
   bool on_chord = false;      ///< the new vertex stays on the edge where the boundary is curved, too
 };
 

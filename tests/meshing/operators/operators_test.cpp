@@ -282,6 +282,34 @@ TEST(SplitEdge, RefusesWhatWouldBePoor) {
   expect_refused(rig, Verdict::worsens_quality, [&] { return split(rig, VertexId(0), VertexId(1), {0, 1}); });
 }
 
+TEST(SplitEdge, PutsTheVertexWhereItsTetsAreBest) {
+  for (std::uint32_t n = 4; n <= 7; ++n) {
+    KernelRig at_middle(ring_off_centre(n, 1), 1, kFaceted), at_best(ring_off_centre(n, 1), 1, kFaceted);
+    const double before = worst(at_best);
+    ASSERT_EQ(split(at_middle, VertexId(0), VertexId(1), {.shortest = 0, .keep_share = 0}),
+              Verdict::accepted);
+    ASSERT_EQ(
+        split(at_best, VertexId(0), VertexId(1), {.shortest = 0.2, .must_improve = true, .at_best = true}),
+        Verdict::accepted);
+    EXPECT_GT(worst(at_best), 1.2 * before) << n;
+    EXPECT_GT(worst(at_best), 1.2 * worst(at_middle)) << n;
+    for (const VertexId v : at_best.live_vertices()) EXPECT_FALSE(at_best.mesh.marks(v) & kCheckShort);
+    expect_kept(at_best);
+  }
+}
+
+TEST(SplitEdge, AtItsBestPlaceAVertexMayNotBeNearTheEdgesEndsEither) {
+  KernelRig rig(ring_off_centre(6, 0.25), 1, kFaceted);
+  const SplitBounds bounds{.shortest = 0.8, .must_improve = true, .at_best = true};
+  expect_refused(rig, Verdict::too_short, [&] { return split(rig, VertexId(0), VertexId(1), bounds); });
+}
+
+TEST(SplitEdge, OnABoundaryNoPlaceIsLookedFor) {
+  KernelRig rig(half_ring_off_centre(5, 1), 1, kFaceted);
+  const SplitBounds bounds{.shortest = 0, .must_improve = true, .at_best = true};
+  expect_refused(rig, Verdict::not_needed, [&] { return split(rig, VertexId(0), VertexId(1), bounds); });
+}
+
 TEST(SplitEdge, RefusesWhatIsTooLarge) {
   KernelRig rig(ring_of(Shell::kMaxSize + 1, 1), 1, kFaceted);
   expect_refused(rig, Verdict::too_large, [&] { return split(rig, VertexId(0), VertexId(1)); });
