@@ -44,18 +44,19 @@ class Su2Reader {
  public:
   Su2Reader(Cursor& in, MeshContents& contents, MeshStream& stream)
       : in_(in),
-        mesh_(contents.mesh),
         contents_(contents),
         markers_(2, contents.names),
         points_(stream, &MeshStream::take_points),
-        tets_(stream, &MeshStream::take_tets) {
+        tets_(stream, &MeshStream::take_tets),
+        boundary_(stream) {
     in_.set_comment('%');
   }
 
   /// Known when all has been read.
   std::uint64_t num_points() const { return points_.count(); }
-  /// No tet has a vertex above it.
+  /// No tet, and no triangle of a marker, has a vertex above it.
   std::uint32_t greatest_vertex() const { return greatest_; }
+  bool has_markers() const { return has_markers_; }
 
   void read() {
     for (in_.skip_blanks(); !in_.at_end(); in_.skip_blanks()) read_line(in_.line());
@@ -69,17 +70,7 @@ class Su2Reader {
     }
     points_.pass();
     tets_.pass();
-  }
-
-  /// After the tets of the stream have been.
-  void check_markers() {
-    in_.enter("MARKER_ELEMS");
-    for (const auto& triangle : mesh_.triangles) {
-      in_.next_row();
-      for (const std::uint32_t v : triangle) in_.index(v, 0, num_points());
-    }
-    in_.enter("");
-    if (!has_markers_) in_.fail("NMARK= is missing");
+    boundary_.pass();
   }
 
  private:
@@ -171,8 +162,11 @@ class Su2Reader {
       in_.next_row();
       const ElementType& type = read_type();
       if (type.code == kTriangle) {
-        mesh_.triangles.push_back(read_nodes<3>());
-        mesh_.triangle_refs.push_back(marker_);
+        const auto triangle = read_nodes<3>();
+        greatest_ = std::max(greatest_, std::ranges::max(triangle));
+        boundary_.rows.rows.triangles.push_back(triangle);
+        boundary_.rows.rows.triangle_refs.push_back(marker_);
+        boundary_.pass_if_full();
       } else if (type.dimension < 3) {
         contents_.drop(std::string(type.name) + " in markers");
       } else {
@@ -199,38 +193,44 @@ class Su2Reader {
   }
 
   Cursor& in_;
-  MeshData& mesh_;
   MeshContents& contents_;
   RefNumbering markers_;
   StreamedRows<Point> points_;
   StreamedRows<std::array<std::uint32_t, 4>> tets_;
+  StreamedBoundary boundary_;
   std::uint32_t greatest_ = 0;
   bool has_dimension_ = false, has_points_ = false, has_elements_ = false, has_markers_ = false;
   std::uint64_t num_markers_ = 0, expected_markers_ = 0;
   std::int32_t marker_ = 0;
 };
 
-/// Finds the first tet with a vertex that the file has not, since its points may come behind its tets.
-class TetChecker final : public MeshStream {
+/// Finds the first tet with a vertex that the file has not, else the first such triangle of a marker, since
+/// points may come behind them. Of one kind of elements: tets, or triangles.
+class VertexChecker final : public MeshStream {
  public:
-  TetChecker(const std::string& file, std::uint64_t num_points) : in_(file, {}), num_points_(num_points) {
-    in_.enter("NELEM");
+  VertexChecker(const std::string& file, bool of_tets, std::uint64_t num_points)
+      : in_(file, {}), of_tets_(of_tets), num_points_(num_points) {
+    in_.enter(of_tets ? "NELEM" : "MARKER_ELEMS");
   }
+
   void take_tets(std::vector<std::array<std::uint32_t, 4>> rows) override {
-    for (const auto& tet : rows) {
-      in_.next_row();
-      for (const std::uint32_t v : tet) in_.index(v, 0, num_points_);
-    }
+    if (of_tets_) check(rows);
   }
-  void take_points(std::vector<Point>) override {}
-  void take_point_refs(std::vector<std::int32_t>) override {}
-  void take_tet_refs(std::vector<std::int32_t>) override {}
-  void take_other_tet_refs(std::vector<std::int32_t>) override {}
-  void prefer_other_tet_refs() override {}
-  void set_point_ref(std::uint32_t, std::int32_t) override {}
+  void take_boundary(BoundaryRows rows) override {
+    if (!of_tets_) check(rows.rows.triangles);
+  }
 
  private:
+  template <class Elements>
+  void check(const Elements& elements) {
+    for (const auto& element : elements) {
+      in_.next_row();
+      for (const std::uint32_t v : element) in_.index(v, 0, num_points_);
+    }
+  }
+
   Cursor in_;  ///< for its words
+  bool of_tets_;
   std::uint64_t num_points_;
 };
 
@@ -307,15 +307,15 @@ MeshContents read_su2_into(const std::filesystem::path& path, MeshStream& stream
   MeshContents contents;
   Su2Reader reader(in, contents, stream);
   reader.read();
-  if (reader.greatest_vertex() >= reader.num_points()) {
+  for (const bool of_tets : {true, false}) {
+    if (reader.greatest_vertex() < reader.num_points()) break;
     Cursor again(file);
     again.set_coordinates(wanted);
     MeshContents none;
-    TetChecker checker(file.name(), reader.num_points());
+    VertexChecker checker(file.name(), of_tets, reader.num_points());
     Su2Reader(again, none, checker).read();
   }
-  reader.check_markers();
-  contents.mesh.triangle_refs.resize(contents.mesh.triangles.size());
+  if (!reader.has_markers()) throw InputError(file.name(), "", "NMARK= is missing");
   return contents;
 }
 

@@ -91,15 +91,17 @@ class UgridReader {
     in_.set_swapped(encoding.swapped);
   }
 
-  /// A whole file; points and tets go to the stream.
+  /// A whole file, into the stream.
   void read(MeshStream& stream) {
     refuse_binary_as_text();
     const Counts counts = read_counts();
     num_points_ = counts.points;
     stream_points(counts.points, stream);
-    read_elements("triangle", counts.triangles, mesh_.triangles);
+    stream_boundary("triangle", counts.triangles, 3, stream,
+                    [this](BoundaryRows& b) { b.rows.triangles.push_back(read_element<3>()); });
     skip_elements("quadrilateral", counts.quads, 4);
-    read_refs("surface ID", counts.triangles, mesh_.triangle_refs);
+    stream_boundary("surface ID", counts.triangles, 1, stream,
+                    [this](BoundaryRows& b) { b.rows.triangle_refs.push_back(read_ref()); });
     skip_elements("surface ID of quadrilateral", counts.quads, 1);
     stream_tets(counts.tets, stream);
     skip_elements("pyramid", counts.pyramids, 5);
@@ -178,6 +180,19 @@ class UgridReader {
     StreamedRows<std::array<std::uint32_t, 4>> rows(stream, &MeshStream::take_tets);
     for (std::uint64_t i = 0; i < count; ++i) rows.add(read_element<4>());
     rows.pass();
+  }
+  /// `read` adds a row of so many integers.
+  template <class Read>
+  void stream_boundary(const char* name, std::uint64_t count, std::uint64_t integers, MeshStream& stream,
+                       Read read) {
+    in_.enter(name);
+    in_.require(count, integers * integer_size());
+    StreamedBoundary boundary(stream);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      read(boundary.rows);
+      boundary.pass_if_full();
+    }
+    boundary.pass();
   }
   void stream_volume_ids(std::uint64_t count, MeshStream& stream) {
     in_.enter("volume ID");

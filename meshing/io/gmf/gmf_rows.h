@@ -174,6 +174,47 @@ void read_boundary(const File& file, const MeshRange& range, MeshData& mesh) {
   read_indices(file, kRequiredTriangles, range, triangles, "triangle", mesh.required_triangles);
 }
 
+/// Triangles, edges and all marks into the stream.
+template <class File>
+void stream_boundary(const File& file, MeshStream& stream) {
+  const GmfLayout& layout = file.layout();
+  const std::uint64_t points = layout.num_points(), edges = layout.num_edges(),
+                      triangles = layout.num_triangles();
+  StreamedBoundary boundary(stream);
+  // The arrays of `boundary` are others each time that it has passed rows on.
+  const auto pass_rows = [&](Keyword code, auto add_row) {
+    const Section* section = layout.find(code);
+    if (!section) return;
+    auto rows = rows_of(file, *section, all_rows(*section));
+    for (std::uint64_t i = 0; i < section->count; ++i) {
+      rows.begin_row();
+      add_row(boundary.rows.rows, rows);
+      boundary.pass_if_full();
+    }
+    rows.finish();
+  };
+  const auto pass_indices = [&](Keyword code, std::vector<std::uint32_t> MeshData::*indices,
+                                std::uint64_t limit, const char* entity) {
+    pass_rows(code, [&](MeshData& mesh, auto& rows) {
+      (mesh.*indices).push_back(read_index(rows, limit, entity));
+    });
+  };
+  pass_rows(kTriangles, [&](MeshData& mesh, auto& rows) {
+    mesh.triangles.push_back(read_element<3>(rows, points));
+    mesh.triangle_refs.push_back(read_ref(rows));
+  });
+  pass_rows(kEdges, [&](MeshData& mesh, auto& rows) {
+    mesh.edges.push_back(read_element<2>(rows, points));
+    mesh.edge_refs.push_back(read_ref(rows));
+  });
+  pass_indices(kCorners, &MeshData::corners, points, "vertex");
+  pass_indices(kRequiredVertices, &MeshData::required_points, points, "vertex");
+  pass_indices(kRidges, &MeshData::ridges, edges, "edge");
+  pass_indices(kRequiredEdges, &MeshData::required_edges, edges, "edge");
+  pass_indices(kRequiredTriangles, &MeshData::required_triangles, triangles, "triangle");
+  boundary.pass();
+}
+
 /// Empty fields of the kinds that a solution section announces. Throws InputError for unknown ones, or none.
 std::vector<Field> make_fields(const std::string& file, const std::vector<std::int64_t>& types);
 

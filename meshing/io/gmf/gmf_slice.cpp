@@ -71,8 +71,8 @@ MeshContents stream_gmf(const std::filesystem::path& path, MeshStream& stream) {
   return read_with(path, layout, [&](const auto& file) {
     stream_vertices(file, vertices_section(file), stream);
     if (const Section* tets = layout.find(kTetrahedra)) stream_tets(file, *tets, stream);
+    stream_boundary(file, stream);
     MeshContents contents;
-    read_boundary(file, {}, contents.mesh);
     read_records_on_model(file, {}, contents.mesh.association);
     contents.dropped = layout.dropped();
     return contents;

@@ -133,25 +133,6 @@ class NodeTags {
   std::vector<Entry> sorted_;
 };
 
-/// The physical group of each element of one dimension below 3, and the geometric entity for files without
-/// groups.
-class Groups {
- public:
-  void add(std::int32_t physical, std::int32_t entity) {
-    physical_.push_back(physical);
-    entity_.push_back(entity);
-    has_physical_ |= physical != 0;
-  }
-  /// An element elsewhere has a physical group.
-  void note() { has_physical_ = true; }
-  const std::vector<std::int32_t>& physical() const { return physical_; }
-  std::vector<std::int32_t> take() { return std::move(has_physical_ ? physical_ : entity_); }
-
- private:
-  std::vector<std::int32_t> physical_, entity_;
-  bool has_physical_ = false;
-};
-
 /// A geometric entity, or what a part of one is part of: of a higher dimension where it is between
 /// partitions.
 struct Entity {
@@ -207,7 +188,7 @@ Field::Kind kind_of(std::uint64_t components) {
 
 class Reader {
  public:
-  /// Points and tets go to the stream, fields to theirs, if any.
+  /// The mesh goes to the stream, all but corners, fields to theirs, if any.
   Reader(Cursor& in, MeshContents& contents, MeshStream& stream, FieldStream* fields)
       : in_(in),
         contents_(contents),
@@ -216,6 +197,7 @@ class Reader {
         tets_(stream, &MeshStream::take_tets),
         tet_groups_(stream, &MeshStream::take_tet_refs),
         tet_entities_(stream, &MeshStream::take_other_tet_refs),
+        boundary_(stream),
         fields_(fields) {}
   /// Of a file whose nodes are `range` of `num_nodes`, which are tagged 1, 2, 3 ...: elements have any of
   /// these.
@@ -543,11 +525,8 @@ class Reader {
 
   /// Where any element of a dimension has a group, groups are the references.
   void note_group(const ElementType& type) {
-    if (physical_ == 0) return;
-    if (type.code == gmsh::kTetrahedron)
-      tets_have_groups_ = true;
-    else if (type.code == gmsh::kTriangle || type.code == gmsh::kLine)
-      groups_[static_cast<std::size_t>(type.dimension)].note();
+    if (type.code == gmsh::kTetrahedron || type.code == gmsh::kTriangle || type.code == gmsh::kLine)
+      have_groups_[static_cast<std::size_t>(type.dimension)] |= physical_ != 0;
   }
 
   std::uint32_t read_node() {
@@ -565,28 +544,33 @@ class Reader {
     if (between_partitions_) return contents_.drop("elements between partitions");
     if (version_ == 2 && is_repeated(type, std::span(nodes).first(static_cast<std::size_t>(type.nodes))))
       return;
-    MeshData& mesh = contents_.mesh;
+    BoundaryRows& boundary = boundary_.rows;
     switch (type.code) {
       case gmsh::kTetrahedron:
         tets_.add({nodes[0], nodes[1], nodes[2], nodes[3]});
         tet_groups_.add(physical_);
         tet_entities_.add(entity_);
-        tets_have_groups_ |= physical_ != 0;
-        return;
+        break;
       case gmsh::kTriangle:
-        mesh.triangles.push_back({nodes[0], nodes[1], nodes[2]});
+        boundary.rows.triangles.push_back({nodes[0], nodes[1], nodes[2]});
+        boundary.rows.triangle_refs.push_back(physical_);
+        boundary.other_triangle_refs.push_back(entity_);
         break;
       case gmsh::kLine:
-        mesh.edges.push_back({nodes[0], nodes[1]});
+        boundary.rows.edges.push_back({nodes[0], nodes[1]});
+        boundary.rows.edge_refs.push_back(physical_);
+        boundary.other_edge_refs.push_back(entity_);
         break;
       case gmsh::kPoint:
-        mesh.corners.push_back(nodes[0]);
+        contents_.mesh.corners.push_back(nodes[0]);
+        corner_groups_.push_back(physical_);
         break;
       default:
         ++foreign_[&type];
         return;
     }
-    groups_[static_cast<std::size_t>(type.dimension)].add(physical_, entity_);
+    note_group(type);
+    boundary_.pass_if_full();
   }
 
   /// Version 2 has an element once for each of its physical groups, turned where it is so in the group; the
@@ -633,21 +617,20 @@ class Reader {
     for (const auto& [type, count] : foreign_) {
       type->dimension == 3 ? contents_.drop_volumes(type->name, count) : contents_.drop(type->name, count);
     }
-    MeshData& mesh = contents_.mesh;
-    mesh.edge_refs = groups_[1].take();
-    mesh.triangle_refs = groups_[2].take();
+    boundary_.pass();
     tets_.pass();
     tet_groups_.pass();
     tet_entities_.pass();
-    if (!tets_have_groups_) stream_.prefer_other_tet_refs();
-    const std::vector<std::int32_t>& corner_refs =
-        groups_[0].physical();  // the entities are just their numbers
-    for (std::size_t i = 0; i < mesh.corners.size(); ++i) {
-      const std::uint64_t place = std::uint64_t{mesh.corners[i]} - first_node_;
-      if (place < points_.count()) stream_.set_point_ref(static_cast<std::uint32_t>(place), corner_refs[i]);
+    for (const int dimension : {1, 2, 3})
+      if (!have_groups_[static_cast<std::size_t>(dimension)]) stream_.prefer_other_refs(dimension);
+    std::vector<std::uint32_t>& corners = contents_.mesh.corners;
+    for (std::size_t i = 0; i < corners.size(); ++i) {  // their entities are just their numbers
+      const std::uint64_t place = std::uint64_t{corners[i]} - first_node_;
+      if (place < points_.count())
+        stream_.set_point_ref(static_cast<std::uint32_t>(place), corner_groups_[i]);
     }
-    std::ranges::sort(mesh.corners);  // a point can be in several groups
-    mesh.corners.erase(std::ranges::unique(mesh.corners).begin(), mesh.corners.end());
+    std::ranges::sort(corners);  // a point can be in several groups
+    corners.erase(std::ranges::unique(corners).begin(), corners.end());
   }
 
   Cursor& in_;
@@ -656,7 +639,9 @@ class Reader {
   StreamedRows<Point> points_;
   StreamedRows<std::array<std::uint32_t, 4>> tets_;
   StreamedRows<std::int32_t> tet_groups_, tet_entities_;
-  bool tets_have_groups_ = false;
+  StreamedBoundary boundary_;
+  std::array<bool, 4> have_groups_{};  ///< elements of each dimension, those elsewhere among them
+  std::vector<std::int32_t> corner_groups_;
   FieldStream* fields_;
   std::uint64_t first_node_ = 0, num_nodes_ = 0;  ///< num_nodes_: 0 without a range
   std::vector<std::uint64_t> first_elements_;     ///< of each block; empty without a range
@@ -664,7 +649,6 @@ class Reader {
   bool binary_ = false, has_nodes_ = false, has_elements_ = false;
   std::map<std::pair<int, std::int32_t>, Entity> entities_;
   NodeTags tags_;
-  std::array<Groups, 3> groups_;  ///< by dimension
   std::map<const ElementType*, std::uint64_t> foreign_;
   std::int32_t physical_ = 0, entity_ = 0;  ///< of the element being read
   bool between_partitions_ = false;
@@ -938,18 +922,6 @@ SolutionData gmsh_field_heads(const std::filesystem::path& path) {
 
 namespace {
 
-/// Of a mesh that somebody else reads.
-class NoMesh final : public MeshStream {
- public:
-  void take_points(std::vector<Point>) override {}
-  void take_point_refs(std::vector<std::int32_t>) override {}
-  void take_tets(std::vector<std::array<std::uint32_t, 4>>) override {}
-  void take_tet_refs(std::vector<std::int32_t>) override {}
-  void take_other_tet_refs(std::vector<std::int32_t>) override {}
-  void prefer_other_tet_refs() override {}
-  void set_point_ref(std::uint32_t, std::int32_t) override {}
-};
-
 MeshContents stream(const std::filesystem::path& path, MeshStream& mesh, FieldStream* fields) {
   const InputFile file(path);
   Cursor in(file);
@@ -965,8 +937,8 @@ MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& mesh) {
 }
 
 void stream_gmsh_fields(const std::filesystem::path& path, FieldStream& fields) {
-  NoMesh mesh;
-  stream(path, mesh, &fields);
+  MeshStream nobody;  // somebody else reads the mesh
+  stream(path, nobody, &fields);
 }
 
 }  // namespace weft::meshing

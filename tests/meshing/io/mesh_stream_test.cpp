@@ -39,11 +39,17 @@ class Counting final : public MeshStream {
   void take_other_tet_refs(std::vector<std::int32_t> rows) override {
     count(rows), kept_.take_other_tet_refs(std::move(rows));
   }
-  void prefer_other_tet_refs() override { kept_.prefer_other_tet_refs(); }
+  void take_boundary(BoundaryRows rows) override {
+    for_each_boundary_array([&](auto of_rows) { EXPECT_LE(of_rows(rows).size(), kRows); });
+    ++boundary_blocks_;
+    kept_.take_boundary(std::move(rows));
+  }
+  void prefer_other_refs(int dimension) override { kept_.prefer_other_refs(dimension); }
   void set_point_ref(std::uint32_t point, std::int32_t ref) override { kept_.set_point_ref(point, ref); }
 
   MeshCollector& kept() { return kept_; }
   std::size_t blocks() const { return blocks_; }
+  std::size_t boundary_blocks() const { return boundary_blocks_; }
 
  private:
   template <class T>
@@ -53,20 +59,25 @@ class Counting final : public MeshStream {
     ++blocks_;
   }
   MeshCollector kept_;
-  std::size_t blocks_ = 0;
+  std::size_t blocks_ = 0, boundary_blocks_ = 0;
 };
 
 struct Streamed {
   MeshContents contents;
-  std::size_t blocks;
+  std::size_t blocks, boundary_blocks;
 };
 Streamed streamed(const fs::path& path) {
   EXPECT_TRUE(can_be_streamed(path));
   Counting stream;
-  Streamed s{stream_mesh(path, stream), 0};
-  EXPECT_TRUE(s.contents.mesh.points.empty() && s.contents.mesh.tets.empty()) << "kept beside the stream";
+  Streamed s{stream_mesh(path, stream), 0, 0};
+  const MeshData& kept = s.contents.mesh;
+  EXPECT_TRUE(kept.points.empty() && kept.tets.empty() && kept.triangles.empty() &&
+              kept.triangle_refs.empty() && kept.edges.empty() && kept.edge_refs.empty() &&
+              kept.required_triangles.empty())
+      << "kept beside the stream";
   stream.kept().put_into(s.contents.mesh);
   s.blocks = stream.blocks();
+  s.boundary_blocks = stream.boundary_blocks();
   s.contents.complete();
   return s;
 }
@@ -104,8 +115,29 @@ TEST_P(MeshStreams, AreTheWholeFile) {
   }
 }
 
+/// A surface of more triangles than a block has rows, all of them required.
+TEST_P(MeshStreams, PassTheBoundaryInBlocksToo) {
+  MeshContents box = large_box();
+  const std::size_t of_box = box.mesh.triangles.size(), count = 2 * MeshStream::kRows + 5;
+  while (box.mesh.triangles.size() < count) {
+    const std::size_t i = box.mesh.triangles.size();
+    box.mesh.triangles.push_back(box.mesh.triangles[i % of_box]);
+    box.mesh.triangle_refs.push_back(1 + static_cast<std::int32_t>(i % 7));
+  }
+  for (std::uint32_t i = 0; i < count; ++i) box.mesh.required_triangles.push_back(i);
+  const fs::path path = write(box);
+  const Streamed s = streamed(path);
+  expect_equal(s.contents.mesh, read_mesh(path));
+  EXPECT_EQ(s.contents.mesh.triangles.size(), count);
+  EXPECT_GE(s.boundary_blocks, 3u);
+}
+
 TEST_P(MeshStreams, ComplainInTheWordsOfTheWholeFile) {
   MeshContents box = large_box();
+  box.mesh.triangles[3000][1] = 900000;
+  const std::string of_triangle = message_of([&] { read_mesh(write(box)); });
+  EXPECT_NE(of_triangle, "");
+  EXPECT_EQ(message_of([&] { streamed(directory / GetParam().name); }), of_triangle);
   box.mesh.tets[70000][1] = 900000;
   const fs::path path = write(box);
   const std::string says = message_of([&] { read_mesh(path); });

@@ -29,7 +29,13 @@ using meshing::Point;
 using meshing::Tet;
 using partition::Peers;
 
-enum class Column : std::uint64_t { points, point_refs, tets, tet_refs, other_tet_refs, none };
+/// Arrays of a mesh: those of the boundary follow in the order of for_each_boundary_array().
+enum class Column : std::uint64_t { none, points, point_refs, tets, tet_refs, other_tet_refs, boundary };
+constexpr std::size_t kColumns = static_cast<std::size_t>(Column::boundary) + 11;
+
+Column column_of_boundary(std::size_t array) {
+  return static_cast<Column>(static_cast<std::size_t>(Column::boundary) + array);
+}
 
 /// What rank 0 says before a block. Without padding.
 struct Announcement {
@@ -38,35 +44,29 @@ struct Announcement {
   std::uint64_t rank;   ///< whose the block is
 };
 
-template <class T>
-struct Block {
-  std::uint64_t first;
-  std::vector<T> rows;
-};
-
 /// Rows of one array, of which this rank has some blocks.
-template <class T>
 class DealtColumn {
  public:
-  void add(std::uint64_t first, std::vector<T> rows) { blocks_.push_back({first, std::move(rows)}); }
+  void add(std::uint64_t first, partition::Bytes rows) { blocks_.push_back({first, std::move(rows)}); }
 
   /// All ranks: the rows that this rank is to have; zeros where no rank has any. What was dealt is given up.
+  template <class T>
   std::vector<T> share(Peers& peers, std::uint64_t total) {
     std::vector<std::vector<std::uint64_t>> runs(static_cast<std::size_t>(peers.ranks()));  // first, count
     std::vector<std::vector<T>> rows(runs.size());
-    for (Block<T>& block : blocks_) {
+    for (Block& block : blocks_) {
+      const std::vector<T> of_block = partition::values_of<T>(std::exchange(block.rows, {}));
       for (int r = 0; r < peers.ranks(); ++r) {
         const Share s = share_of(total, r, peers.ranks());
-        const std::uint64_t end = block.first + block.rows.size();
+        const std::uint64_t end = block.first + of_block.size();
         const std::uint64_t from = std::clamp(s.first, block.first, end);
         const std::uint64_t to = std::clamp(s.first + s.count, from, end);
         if (from == to) continue;
         auto& of_rank = rows[static_cast<std::size_t>(r)];
         runs[static_cast<std::size_t>(r)].insert(runs[static_cast<std::size_t>(r)].end(), {from, to - from});
-        of_rank.insert(of_rank.end(), block.rows.begin() + static_cast<std::ptrdiff_t>(from - block.first),
-                       block.rows.begin() + static_cast<std::ptrdiff_t>(to - block.first));
+        of_rank.insert(of_rank.end(), of_block.begin() + static_cast<std::ptrdiff_t>(from - block.first),
+                       of_block.begin() + static_cast<std::ptrdiff_t>(to - block.first));
       }
-      block = {};
     }
     blocks_ = {};
     const auto runs_here = partition::all_to_all(peers, std::move(runs));
@@ -86,31 +86,36 @@ class DealtColumn {
   }
 
  private:
-  std::vector<Block<T>> blocks_;
+  struct Block {
+    std::uint64_t first;
+    partition::Bytes rows;
+  };
+  std::vector<Block> blocks_;
+};
+
+/// What all ranks have to know of what rank 0 has read. Plain data.
+struct Counts {
+  std::array<std::uint64_t, kColumns> rows{};
+  std::array<std::uint64_t, 4> prefers_other{};  ///< MeshStream::prefer_other_refs(), by dimension
+  std::uint64_t of(Column column) const { return rows[static_cast<std::size_t>(column)]; }
 };
 
 /// What this rank has got of the mesh so far.
-struct DealtArrays {
-  DealtColumn<Point> points;
-  DealtColumn<std::int32_t> point_refs, tet_refs, other_tet_refs;
-  DealtColumn<Tet> tets;
-
-  void add(const Announcement& a, const partition::Bytes& bytes) {
-    switch (a.column) {
-      case Column::points:
-        return points.add(a.first, partition::values_of<Point>(bytes));
-      case Column::point_refs:
-        return point_refs.add(a.first, partition::values_of<std::int32_t>(bytes));
-      case Column::tets:
-        return tets.add(a.first, partition::values_of<Tet>(bytes));
-      case Column::tet_refs:
-        return tet_refs.add(a.first, partition::values_of<std::int32_t>(bytes));
-      case Column::other_tet_refs:
-        return other_tet_refs.add(a.first, partition::values_of<std::int32_t>(bytes));
-      case Column::none:
-        return;
-    }
+class DealtArrays {
+ public:
+  void add(const Announcement& said, partition::Bytes rows) {
+    columns_[static_cast<std::size_t>(said.column)].add(said.first, std::move(rows));
   }
+
+  /// All ranks: the rows that this rank is to have of an array that has so many, zeros where no rank has any.
+  /// What was dealt is given up.
+  template <class T>
+  std::vector<T> share(Peers& peers, Column column, std::uint64_t total) {
+    return columns_[static_cast<std::size_t>(column)].share<T>(peers, total);
+  }
+
+ private:
+  std::array<DealtColumn, kColumns> columns_;
 };
 
 /// All ranks: one block from rank 0, which alone knows what comes. Returns whether any has come.
@@ -127,7 +132,7 @@ bool pass_block(Peers& peers, const Announcement& mine, partition::Bytes rows, D
       partition::values_of<Announcement>({arrived.begin(), arrived.begin() + sizeof(Announcement)})[0];
   if (said.rank == static_cast<std::uint64_t>(peers.rank())) {
     arrived.erase(arrived.begin(), arrived.begin() + sizeof(Announcement));
-    arrays.add(said, arrived);
+    arrays.add(said, std::move(arrived));
   }
   return said.column != Column::none;
 }
@@ -142,7 +147,13 @@ class Dealer final : public meshing::MeshStream {
   void take_tets(std::vector<Tet> rows) override { deal(Column::tets, rows); }
   void take_tet_refs(std::vector<std::int32_t> rows) override { deal(Column::tet_refs, rows); }
   void take_other_tet_refs(std::vector<std::int32_t> rows) override { deal(Column::other_tet_refs, rows); }
-  void prefer_other_tet_refs() override { prefers_other_ = true; }
+  void take_boundary(meshing::BoundaryRows rows) override {
+    std::size_t array = 0;
+    meshing::for_each_boundary_array([&](auto of_rows) { deal(column_of_boundary(array++), of_rows(rows)); });
+  }
+  void prefer_other_refs(int dimension) override {
+    counts_.prefers_other[static_cast<std::size_t>(dimension)] = 1;
+  }
   void set_point_ref(std::uint32_t point, std::int32_t ref) override {
     refs_of_points_.emplace_back(point, ref);
   }
@@ -150,8 +161,7 @@ class Dealer final : public meshing::MeshStream {
   /// The others stop listening.
   void end() { pass_block(peers_, {Column::none, 0, 0}, {}, arrays_); }
 
-  std::uint64_t count(Column column) const { return counts_[static_cast<std::size_t>(column)]; }
-  bool prefers_other() const { return prefers_other_; }
+  const Counts& counts() const { return counts_; }
   const std::vector<std::pair<std::uint32_t, std::int32_t>>& refs_of_points() const {
     return refs_of_points_;
   }
@@ -159,7 +169,8 @@ class Dealer final : public meshing::MeshStream {
  private:
   template <class T>
   void deal(Column column, const std::vector<T>& rows) {
-    std::uint64_t& count = counts_[static_cast<std::size_t>(column)];
+    if (rows.empty()) return;
+    std::uint64_t& count = counts_.rows[static_cast<std::size_t>(column)];
     const std::uint64_t rank = count / kRows % static_cast<std::uint64_t>(peers_.ranks());
     pass_block(peers_, {column, count, rank}, partition::bytes_of(rows), arrays_);
     count += rows.size();
@@ -167,14 +178,8 @@ class Dealer final : public meshing::MeshStream {
 
   Peers& peers_;
   DealtArrays& arrays_;
-  std::array<std::uint64_t, 5> counts_{};
-  bool prefers_other_ = false;
+  Counts counts_;
   std::vector<std::pair<std::uint32_t, std::int32_t>> refs_of_points_;
-};
-
-/// What all ranks have to know of what rank 0 has read. Plain data.
-struct Told {
-  std::uint64_t points, tets, prefers_other;
 };
 
 /// The points with a reference of their own, after the arrays.
@@ -188,6 +193,27 @@ void set_point_refs(Peers& peers, const std::vector<std::pair<std::uint32_t, std
   for (std::size_t i = 0; i < points.size(); ++i)
     if (points[i] >= slice.first_point && points[i] - slice.first_point < slice.points.size())
       slice.point_refs[points[i] - slice.first_point] = values[i];
+}
+
+/// All ranks: this one's share of triangles, edges and marks, beside what is in the slice already.
+void add_boundary(Peers& peers, const Counts& counts, DealtArrays& arrays, partition::MeshSlice& slice) {
+  meshing::BoundaryRows shares;
+  std::size_t array = 0;
+  meshing::for_each_boundary_array([&](auto of_rows) {
+    auto& rows = of_rows(shares);
+    const Column column = column_of_boundary(array++);
+    if (counts.of(column) > 0)
+      rows =
+          arrays.share<typename std::decay_t<decltype(rows)>::value_type>(peers, column, counts.of(column));
+  });
+  meshing::MeshCollector all;
+  all.take_boundary(std::move(shares));
+  for (const int dimension : {1, 2})
+    if (counts.prefers_other[static_cast<std::size_t>(dimension)] != 0) all.prefer_other_refs(dimension);
+  all.put_into(slice.boundary);
+  slice.boundary.triangle_refs.resize(slice.boundary.triangles.size());
+  slice.boundary.edge_refs.resize(slice.boundary.edges.size());
+  count_boundary(peers, slice);
 }
 
 /// What rank 0 says of fields. Without padding.
@@ -313,20 +339,19 @@ MeshShare read_dealt_share(Peers& peers, const std::string& file, meshing::Other
   partition::agree(peers, problem);
 
   partition::MeshSlice& slice = share.slice;
-  const Told told =
-      partition::allgather(peers, std::vector<Told>{{dealer.count(Column::points), dealer.count(Column::tets),
-                                                     dealer.prefers_other()}})[0][0];
-  slice.num_points = told.points;
-  slice.num_tets = told.tets;
-  slice.first_point = share_of(told.points, peers.rank(), peers.ranks()).first;
-  slice.first_tet = share_of(told.tets, peers.rank(), peers.ranks()).first;
-  slice.points = arrays.points.share(peers, told.points);
-  slice.point_refs = arrays.point_refs.share(peers, told.points);
-  slice.tets = arrays.tets.share(peers, told.tets);
-  slice.tet_refs = (told.prefers_other ? arrays.other_tet_refs : arrays.tet_refs).share(peers, told.tets);
+  const Counts counts = partition::allgather(peers, std::vector{dealer.counts()})[0][0];
+  slice.num_points = counts.of(Column::points);
+  slice.num_tets = counts.of(Column::tets);
+  slice.first_point = share_of(slice.num_points, peers.rank(), peers.ranks()).first;
+  slice.first_tet = share_of(slice.num_tets, peers.rank(), peers.ranks()).first;
+  slice.points = arrays.share<Point>(peers, Column::points, slice.num_points);
+  slice.point_refs = arrays.share<std::int32_t>(peers, Column::point_refs, slice.num_points);
+  slice.tets = arrays.share<Tet>(peers, Column::tets, slice.num_tets);
+  slice.tet_refs = arrays.share<std::int32_t>(
+      peers, counts.prefers_other[3] != 0 ? Column::other_tet_refs : Column::tet_refs, slice.num_tets);
   set_point_refs(peers, dealer.refs_of_points(), slice);
-  rest.complete();
   deal_boundary(peers, rest.mesh, slice);
+  add_boundary(peers, counts, arrays, slice);
   share.names = std::move(rest.names);
   share.dropped = std::move(rest.dropped);
   return share;

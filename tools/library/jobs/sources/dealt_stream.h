@@ -9,9 +9,10 @@
 
 namespace weft::tools {
 
-/// All ranks: the share of a file that meshing::can_be_streamed(). Blocks of points and tets go round the
+/// All ranks: the share of a file that meshing::can_be_streamed(). Blocks of rows go round the
 /// ranks as they are read; when their numbers are known, each rank gets its share of what all have got. Rank
-/// 0 holds what the others do, a block, and the boundary. Throws InputError alike on all ranks.
+/// 0 holds what the others do, a block, and few lists (points that are elements, records on a CAD model).
+/// Throws InputError alike on all ranks.
 MeshShare read_dealt_share(partition::Peers& peers, const std::string& file, meshing::OtherVolumes others);
 
 /// All ranks: the fields of a file that meshing::can_stream_fields(), at the points of its shares; none where

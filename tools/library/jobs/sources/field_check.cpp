@@ -35,12 +35,6 @@ class PointCounter final : public meshing::MeshStream {
   std::uint64_t points() const { return points_; }
 
   void take_points(std::vector<meshing::Point> rows) override { points_ += rows.size(); }
-  void take_point_refs(std::vector<std::int32_t>) override {}
-  void take_tets(std::vector<meshing::Tet>) override {}
-  void take_tet_refs(std::vector<std::int32_t>) override {}
-  void take_other_tet_refs(std::vector<std::int32_t>) override {}
-  void prefer_other_tet_refs() override {}
-  void set_point_ref(std::uint32_t, std::int32_t) override {}
 
  private:
   std::uint64_t points_ = 0;
