@@ -22,7 +22,7 @@ struct BoundaryRows {
 
 /// Calls f(of_rows) for each array, with of_rows(BoundaryRows&) the array.
 template <class F>
-void for_each_boundary_array(F f) {
+constexpr void for_each_boundary_array(F f) {
   f([](auto& b) -> auto& { return b.rows.triangles; });
   f([](auto& b) -> auto& { return b.rows.triangle_refs; });
   f([](auto& b) -> auto& { return b.other_triangle_refs; });
@@ -35,6 +35,12 @@ void for_each_boundary_array(F f) {
   f([](auto& b) -> auto& { return b.rows.corners; });
   f([](auto& b) -> auto& { return b.rows.required_points; });
 }
+
+inline constexpr std::size_t kBoundaryArrays = [] {
+  std::size_t arrays = 0;
+  for_each_boundary_array([&](auto) { ++arrays; });
+  return arrays;
+}();
 
 /// Takes the rows of each array in the order of the file, in blocks; what a stream does not override it does
 /// not want. An array of which nothing comes is one of zeros. Vertices are numbered as in the whole mesh;

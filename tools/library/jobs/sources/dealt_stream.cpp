@@ -31,7 +31,7 @@ using partition::Peers;
 
 /// Arrays of a mesh: those of the boundary follow in the order of for_each_boundary_array().
 enum class Column : std::uint64_t { none, points, point_refs, tets, tet_refs, other_tet_refs, boundary };
-constexpr std::size_t kColumns = static_cast<std::size_t>(Column::boundary) + 11;
+constexpr std::size_t kColumns = static_cast<std::size_t>(Column::boundary) + meshing::kBoundaryArrays;
 
 Column column_of_boundary(std::size_t array) {
   return static_cast<Column>(static_cast<std::size_t>(Column::boundary) + array);
