@@ -10,14 +10,12 @@
 namespace weft::meshing {
 namespace {
 
-constexpr int kMaxBall = 64;
-
 /// Residual k is 1/Q_k^2, so that the sum of squares is dominated by the worst tet. The parameters are
 /// coordinates in the unit frame of the centre's metric, in which an anisotropic ball is round.
 class BallResiduals {
  public:
   using Scalar = double;
-  enum { NUM_RESIDUALS = kMaxBall, NUM_PARAMETERS = 3 };
+  enum { NUM_RESIDUALS = kMostFaces, NUM_PARAMETERS = 3 };
 
   BallResiduals(BallFaces& faces, const Point& origin, const SymTensor& tensor, const Eigen3& frame)
       : faces_(faces), origin_(origin), tensor_(tensor) {
@@ -29,8 +27,8 @@ class BallResiduals {
   }
 
   bool operator()(const double* y, double* residuals, double* jacobian) const {
-    std::fill_n(residuals, kMaxBall, 0.0);
-    if (jacobian) std::fill_n(jacobian, 3 * kMaxBall, 0.0);
+    std::fill_n(residuals, kMostFaces, 0.0);
+    if (jacobian) std::fill_n(jacobian, 3 * kMostFaces, 0.0);
     faces_.derivatives(position(y), tensor_);
     for (int k = 0; k < faces_.size(); ++k) {
       const double inverse = faces_.value(k);
@@ -38,7 +36,7 @@ class BallResiduals {
       residuals[k] = inverse > 0 ? inverse * inverse : 1e30;
       if (!jacobian || inverse <= 0) continue;
       for (int i = 0; i < 3; ++i)
-        jacobian[kMaxBall * i + k] = 2 * inverse * dot(faces_.gradient(k), axes_[i]);
+        jacobian[kMostFaces * i + k] = 2 * inverse * dot(faces_.gradient(k), axes_[i]);
     }
     return true;
   }
@@ -54,7 +52,6 @@ class BallResiduals {
 
 std::optional<Point> best_place(BallFaces& faces, const Point& from, const Metric& metric,
                                 const SymTensor& tensor) {
-  if (faces.size() > kMaxBall) return std::nullopt;
   const BallResiduals residuals(faces, from, tensor, eigen_decomposition(metric));
   ceres::TinySolver<BallResiduals> solver;
   solver.options.max_num_iterations = 20;

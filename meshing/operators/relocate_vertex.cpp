@@ -13,6 +13,7 @@ Verdict relocate_vertex(Worker& w, VertexId v) {
   if (mesh.frozen(v)) return Verdict::frozen;
   if (const Verdict r = gather_ball(mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
   if (mesh.kind(v) != VertexKind::interior || mesh.fixed(v)) return Verdict::not_needed;
+  if (w.ball.tets.size() > kMostFaces) return Verdict::too_large;
   w.faces.gather(w.mean(), mesh, w.ball);
   double old_worst = 1;
   for (const auto& [t, local] : w.ball.tets) old_worst = std::min<double>(old_worst, mesh.quality(t));

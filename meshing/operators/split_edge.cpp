@@ -19,6 +19,13 @@ struct NewVertex {
   Vec normal = {};  ///< of the surface there, where that is curved
 };
 
+void read_metric(const Worker& w, std::uint32_t hint, NewVertex& n) {
+  const Background::Sample sample = w.kernel.background.at(n.x, hint);
+  n.log_metric = sample.log_metric;
+  n.metric = exp_fast(n.log_metric);
+  n.background_hint = sample.tet;
+}
+
 NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on, bool on_chord) {
   const TetMesh& mesh = w.mesh;
   const Point &pa = mesh.point(a), &pb = mesh.point(b);
@@ -38,32 +45,28 @@ NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on, bo
     n.surface_hint = q.hint;
     n.normal = q.normal;
   }
-  const Background::Sample sample = w.kernel.background.at(n.x, mesh.background_hint(a));
-  n.log_metric = sample.log_metric;
-  n.metric = exp_fast(n.log_metric);
-  n.background_hint = sample.tet;
+  read_metric(w, mesh.background_hint(a), n);
   return n;
 }
 
-/// Moves the vertex of an inner edge, whose shell is gathered, to where the worst of its tets is best. False
-/// where it is there already.
-bool move_to_best(Worker& w, NewVertex& n) {
-  // Each tet of the shell leaves two: with the new vertex for one end, and for the other.
+/// Moves the vertex of an inner edge, whose shell is gathered, to where the worst of its tets is best.
+/// Refuses where it is there already, and boundary.
+Verdict move_to_best(Worker& w, NewVertex& n) {
   const Shell& shell = w.shell;
+  const int tets = 2 * shell.size;  // each one leaves two: with the new vertex for one end, and for the other
+  if (n.on.kind != VertexKind::interior) return Verdict::not_needed;
+  if (tets > kMostFaces) return Verdict::too_large;
   w.ball.tets.clear();
-  w.ball.tets.make_room(2 * static_cast<std::size_t>(shell.size));
+  w.ball.tets.make_room(static_cast<std::size_t>(tets));
   for (int i = 0; i < shell.size; ++i)
     for (const int end : {shell.tets[i].a, shell.tets[i].b})
       w.ball.tets.push_if(true, {shell.tets[i].tet, end});
   w.faces.gather(w.mean(), w.mesh, w.ball);
   const auto x = best_place(w.faces, n.x, n.metric, judge_tensor(w.mean(), n.metric, n.log_metric));
-  if (!x) return false;
+  if (!x) return Verdict::not_needed;
   n.x = *x;
-  const Background::Sample sample = w.kernel.background.at(n.x, n.background_hint);
-  n.log_metric = sample.log_metric;
-  n.metric = exp_fast(n.log_metric);
-  n.background_hint = sample.tet;
-  return true;
+  read_metric(w, n.background_hint, n);
+  return Verdict::accepted;
 }
 
 /// What a split does: every tet of the shell becomes two.
@@ -260,7 +263,8 @@ Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds
   const EdgeClass on = classify(w.mesh, w.shell);
   if (on.curve.valid() && w.kernel.surface.curves()[on.curve.value].required) return Verdict::required;
   NewVertex n = place(w, a, b, on, bounds.on_chord);
-  if (bounds.at_best && (on.kind != VertexKind::interior || !move_to_best(w, n))) return Verdict::not_needed;
+  if (bounds.at_best)
+    if (const Verdict r = move_to_best(w, n); r != Verdict::accepted) return r;
   SplitPlan plan{w.shell, n, {}, {}};
   if (const Verdict r = judge(w, bounds, plan); r != Verdict::accepted) return r;
   if (!w.secure(static_cast<std::size_t>(w.shell.size), 1)) return Verdict::too_large;

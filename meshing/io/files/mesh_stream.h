@@ -129,13 +129,11 @@ class MeshCollector final : public MeshStream {
     mesh_.point_refs[point] = ref;
   }
 
-  /// All of it into a mesh that has none of it but perhaps corners.
+  /// All of it into a mesh that has at most corners, which it keeps, and an association.
   void put_into(MeshData& mesh) {
-    const std::vector<std::uint32_t> corners = std::move(mesh.corners);
-    Association association = std::move(mesh.association);
+    append(boundary_.rows.corners, mesh.corners);
+    boundary_.rows.association = std::move(mesh.association);
     mesh = std::move(boundary_.rows);
-    append(mesh.corners, corners);
-    mesh.association = std::move(association);
     mesh_.point_refs.resize(mesh_.points.size());
     mesh_.tet_refs.resize(mesh_.tets.size());
     mesh.points = std::move(mesh_.points);

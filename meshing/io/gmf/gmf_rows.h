@@ -160,30 +160,40 @@ void read_indices(const File& file, Keyword code, const MeshRange& range, std::u
   rows.finish();
 }
 
+/// A list of marks: of entities of which there are `limit`.
+struct MarkList {
+  Keyword code;
+  std::vector<std::uint32_t> MeshData::*indices;
+  std::uint64_t limit;
+  const char* entity;
+};
+inline std::array<MarkList, 5> mark_lists(const GmfLayout& layout) {
+  const std::uint64_t points = layout.num_points(), edges = layout.num_edges(),
+                      triangles = layout.num_triangles();
+  return {{{kCorners, &MeshData::corners, points, "vertex"},
+           {kRequiredVertices, &MeshData::required_points, points, "vertex"},
+           {kRidges, &MeshData::ridges, edges, "edge"},
+           {kRequiredEdges, &MeshData::required_edges, edges, "edge"},
+           {kRequiredTriangles, &MeshData::required_triangles, triangles, "triangle"}}};
+}
+
 /// The range's part of triangles, edges and all marks.
 template <class File>
 void read_boundary(const File& file, const MeshRange& range, MeshData& mesh) {
-  const GmfLayout& layout = file.layout();
-  const std::uint64_t edges = layout.num_edges(), triangles = layout.num_triangles();
   read_part_of_elements(file, kTriangles, range, mesh.triangles, mesh.triangle_refs);
   read_part_of_elements(file, kEdges, range, mesh.edges, mesh.edge_refs);
-  read_indices(file, kCorners, range, layout.num_points(), "vertex", mesh.corners);
-  read_indices(file, kRequiredVertices, range, layout.num_points(), "vertex", mesh.required_points);
-  read_indices(file, kRidges, range, edges, "edge", mesh.ridges);
-  read_indices(file, kRequiredEdges, range, edges, "edge", mesh.required_edges);
-  read_indices(file, kRequiredTriangles, range, triangles, "triangle", mesh.required_triangles);
+  for (const auto& [code, indices, limit, entity] : mark_lists(file.layout()))
+    read_indices(file, code, range, limit, entity, mesh.*indices);
 }
 
 /// Triangles, edges and all marks into the stream.
 template <class File>
 void stream_boundary(const File& file, MeshStream& stream) {
-  const GmfLayout& layout = file.layout();
-  const std::uint64_t points = layout.num_points(), edges = layout.num_edges(),
-                      triangles = layout.num_triangles();
+  const std::uint64_t points = file.layout().num_points();
   StreamedBoundary boundary(stream);
   // The arrays of `boundary` are others each time that it has passed rows on.
   const auto pass_rows = [&](Keyword code, auto add_row) {
-    const Section* section = layout.find(code);
+    const Section* section = file.layout().find(code);
     if (!section) return;
     auto rows = rows_of(file, *section, all_rows(*section));
     for (std::uint64_t i = 0; i < section->count; ++i) {
@@ -193,12 +203,6 @@ void stream_boundary(const File& file, MeshStream& stream) {
     }
     rows.finish();
   };
-  const auto pass_indices = [&](Keyword code, std::vector<std::uint32_t> MeshData::*indices,
-                                std::uint64_t limit, const char* entity) {
-    pass_rows(code, [&](MeshData& mesh, auto& rows) {
-      (mesh.*indices).push_back(read_index(rows, limit, entity));
-    });
-  };
   pass_rows(kTriangles, [&](MeshData& mesh, auto& rows) {
     mesh.triangles.push_back(read_element<3>(rows, points));
     mesh.triangle_refs.push_back(read_ref(rows));
@@ -207,11 +211,10 @@ void stream_boundary(const File& file, MeshStream& stream) {
     mesh.edges.push_back(read_element<2>(rows, points));
     mesh.edge_refs.push_back(read_ref(rows));
   });
-  pass_indices(kCorners, &MeshData::corners, points, "vertex");
-  pass_indices(kRequiredVertices, &MeshData::required_points, points, "vertex");
-  pass_indices(kRidges, &MeshData::ridges, edges, "edge");
-  pass_indices(kRequiredEdges, &MeshData::required_edges, edges, "edge");
-  pass_indices(kRequiredTriangles, &MeshData::required_triangles, triangles, "triangle");
+  for (const MarkList& list : mark_lists(file.layout()))
+    pass_rows(list.code, [&](MeshData& mesh, auto& rows) {
+      (mesh.*list.indices).push_back(read_index(rows, list.limit, list.entity));
+    });
   boundary.pass();
 }
 

@@ -555,11 +555,13 @@ class Reader {
         boundary.rows.triangles.push_back({nodes[0], nodes[1], nodes[2]});
         boundary.rows.triangle_refs.push_back(physical_);
         boundary.other_triangle_refs.push_back(entity_);
+        boundary_.pass_if_full();
         break;
       case gmsh::kLine:
         boundary.rows.edges.push_back({nodes[0], nodes[1]});
         boundary.rows.edge_refs.push_back(physical_);
         boundary.other_edge_refs.push_back(entity_);
+        boundary_.pass_if_full();
         break;
       case gmsh::kPoint:
         contents_.mesh.corners.push_back(nodes[0]);
@@ -570,7 +572,6 @@ class Reader {
         return;
     }
     note_group(type);
-    boundary_.pass_if_full();
   }
 
   /// Version 2 has an element once for each of its physical groups, turned where it is so in the group; the

@@ -33,8 +33,9 @@ using partition::Peers;
 enum class Column : std::uint64_t { none, points, point_refs, tets, tet_refs, other_tet_refs, boundary };
 constexpr std::size_t kColumns = static_cast<std::size_t>(Column::boundary) + meshing::kBoundaryArrays;
 
-Column column_of_boundary(std::size_t array) {
-  return static_cast<Column>(static_cast<std::size_t>(Column::boundary) + array);
+constexpr std::size_t index_of(Column column) { return static_cast<std::size_t>(column); }
+constexpr Column column_of_boundary(std::size_t array) {
+  return static_cast<Column>(index_of(Column::boundary) + array);
 }
 
 /// What rank 0 says before a block. Without padding.
@@ -97,26 +98,11 @@ class DealtColumn {
 struct Counts {
   std::array<std::uint64_t, kColumns> rows{};
   std::array<std::uint64_t, 4> prefers_other{};  ///< MeshStream::prefer_other_refs(), by dimension
-  std::uint64_t of(Column column) const { return rows[static_cast<std::size_t>(column)]; }
+  std::uint64_t of(Column column) const { return rows[index_of(column)]; }
 };
 
-/// What this rank has got of the mesh so far.
-class DealtArrays {
- public:
-  void add(const Announcement& said, partition::Bytes rows) {
-    columns_[static_cast<std::size_t>(said.column)].add(said.first, std::move(rows));
-  }
-
-  /// All ranks: the rows that this rank is to have of an array that has so many, zeros where no rank has any.
-  /// What was dealt is given up.
-  template <class T>
-  std::vector<T> share(Peers& peers, Column column, std::uint64_t total) {
-    return columns_[static_cast<std::size_t>(column)].share<T>(peers, total);
-  }
-
- private:
-  std::array<DealtColumn, kColumns> columns_;
-};
+/// What this rank has got of the mesh so far, by column.
+using DealtArrays = std::array<DealtColumn, kColumns>;
 
 /// All ranks: one block from rank 0, which alone knows what comes. Returns whether any has come.
 bool pass_block(Peers& peers, const Announcement& mine, partition::Bytes rows, DealtArrays& arrays) {
@@ -132,7 +118,7 @@ bool pass_block(Peers& peers, const Announcement& mine, partition::Bytes rows, D
       partition::values_of<Announcement>({arrived.begin(), arrived.begin() + sizeof(Announcement)})[0];
   if (said.rank == static_cast<std::uint64_t>(peers.rank())) {
     arrived.erase(arrived.begin(), arrived.begin() + sizeof(Announcement));
-    arrays.add(said, std::move(arrived));
+    arrays[index_of(said.column)].add(said.first, std::move(arrived));
   }
   return said.column != Column::none;
 }
@@ -170,7 +156,7 @@ class Dealer final : public meshing::MeshStream {
   template <class T>
   void deal(Column column, const std::vector<T>& rows) {
     if (rows.empty()) return;
-    std::uint64_t& count = counts_.rows[static_cast<std::size_t>(column)];
+    std::uint64_t& count = counts_.rows[index_of(column)];
     const std::uint64_t rank = count / kRows % static_cast<std::uint64_t>(peers_.ranks());
     pass_block(peers_, {column, count, rank}, partition::bytes_of(rows), arrays_);
     count += rows.size();
@@ -202,9 +188,8 @@ void add_boundary(Peers& peers, const Counts& counts, DealtArrays& arrays, parti
   meshing::for_each_boundary_array([&](auto of_rows) {
     auto& rows = of_rows(shares);
     const Column column = column_of_boundary(array++);
-    if (counts.of(column) > 0)
-      rows =
-          arrays.share<typename std::decay_t<decltype(rows)>::value_type>(peers, column, counts.of(column));
+    using Row = typename std::decay_t<decltype(rows)>::value_type;
+    if (counts.of(column) > 0) rows = arrays[index_of(column)].share<Row>(peers, counts.of(column));
   });
   meshing::MeshCollector all;
   all.take_boundary(std::move(shares));
@@ -344,11 +329,11 @@ MeshShare read_dealt_share(Peers& peers, const std::string& file, meshing::Other
   slice.num_tets = counts.of(Column::tets);
   slice.first_point = share_of(slice.num_points, peers.rank(), peers.ranks()).first;
   slice.first_tet = share_of(slice.num_tets, peers.rank(), peers.ranks()).first;
-  slice.points = arrays.share<Point>(peers, Column::points, slice.num_points);
-  slice.point_refs = arrays.share<std::int32_t>(peers, Column::point_refs, slice.num_points);
-  slice.tets = arrays.share<Tet>(peers, Column::tets, slice.num_tets);
-  slice.tet_refs = arrays.share<std::int32_t>(
-      peers, counts.prefers_other[3] != 0 ? Column::other_tet_refs : Column::tet_refs, slice.num_tets);
+  slice.points = arrays[index_of(Column::points)].share<Point>(peers, slice.num_points);
+  slice.point_refs = arrays[index_of(Column::point_refs)].share<std::int32_t>(peers, slice.num_points);
+  slice.tets = arrays[index_of(Column::tets)].share<Tet>(peers, slice.num_tets);
+  const Column tet_refs = counts.prefers_other[3] != 0 ? Column::other_tet_refs : Column::tet_refs;
+  slice.tet_refs = arrays[index_of(tet_refs)].share<std::int32_t>(peers, slice.num_tets);
   set_point_refs(peers, dealer.refs_of_points(), slice);
   deal_boundary(peers, rest.mesh, slice);
   add_boundary(peers, counts, arrays, slice);
